@@ -21,6 +21,7 @@ from pdr_est.front_end.heading.placement_change.placement_tracker import (
     LIMB_MODES,
     PlacementTracker,
     Placing,
+    is_handled,
 )
 from pdr_est.front_end.heading.placement_change.turn_estimate import (
     KnownPlace,
@@ -111,7 +112,10 @@ class PostureAwareYaw:
             self._leave(np.array(up_before.up))
         if placing in _ELSEWHERE:
             self._between += 1
-            return _Oriented(step, self._heading_rad)
+            heading_rad = self._heading_rad
+            if self._tracker.perhaps_unmoved and not is_handled(step):
+                heading_rad += wrapped(up_before.yaw_rad(motion_of(step)) - self._offset_rad - heading_rad)
+            return _Oriented(step, heading_rad)
         if placing is Placing.SETTLES:
             return self._settle(step)
         return self._oriented(step, self._offset_rad)
@@ -142,7 +146,9 @@ class PostureAwareYaw:
         if self._before is not None:
             between = self._between - len(after.steps) + 1
             known = [*self._known, self._before.known(self._offset_rad or 0.0)]
-            turn = estimate_turn(self._before, after, between, known, self._heading_rad, self._parameters)
+            turn = estimate_turn(
+                self._before, after, between, known, self._heading_rad, self._parameters, self._tracker.unmoved
+            )
             self._known = known[-_MOST_PLACES:]
             hypotheses = turn.hypotheses()
             turn_rad = hypotheses[0].heading_change_rad

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from test_course_offsets import stretch, walk_of
 
+from pdr_est.config import Config
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading.course.course_offsets import moves_ahead, without_courses
 from pdr_est.front_end.heading.course.course_params import CourseParams
 from pdr_est.front_end.heading.course.online_course import OnlineCourse
 from pdr_est.online.saved_state import pack, unpack
+from pdr_est.pipeline import analyse_recording
+from pdr_est.simulate import robust_dr_trials, simulate_walk
 from pdr_est.types.steps import Step
 
 
@@ -70,3 +73,10 @@ def test_a_stage_that_was_saved_goes_on_as_before() -> None:
         stage = unpack(pack(stage), OnlineCourse)
         found += stage.push(step)
     assert [step.heading_rad for step in found] == [step.heading_rad for step in online(steps)]
+
+
+def test_what_a_dozen_steps_show_by_chance_is_not_believed_for_the_rest_of_the_walk() -> None:
+    """In a pocket of a slow walker the acceleration of a step hardly shows the direction: by 1 standard deviation."""
+    (left, _) = analyse_recording(simulate_walk(robust_dr_trials(0)[0]).recording, Config())
+    assert np.count_nonzero(offset_deg(left.steps)) == 0
+    assert np.median(doubt_deg(left.steps)) == 0.0

@@ -319,3 +319,21 @@ def test_a_phone_that_moves_on_is_learnt_from_where_it_stays(moves_rad: tuple[fl
     steps = [carried(number, 20.0) for number in range(10)] + passing
     steps += [carried(number, 20.0, about_x(moves_rad[-1])) for number in range(stays_from, stays_from + 10)]
     assert learnt_at(steps) == [stays_from + 4]
+
+
+@pytest.mark.parametrize("modes", [(POCKET, SWING), (HOLDING, POCKET)])
+def test_modes_that_flip_in_a_corner_are_no_other_place(modes: tuple[CarryingMode, CarryingMode]) -> None:
+    directions = [0.0] * 12 + [30.0, 60.0] + [90.0] * 12 + [60.0, 30.0] + [0.0] * 12
+    flips = {11, 12, 13, 14, 24, 25, 26, 27, 28}
+    steps = [carried(k, turn, UPRIGHT, mode=modes[k in flips]) for k, turn in enumerate(directions)]
+    np.testing.assert_allclose(directed(steps), directions, atol=16.0)  # strides are averaged at their edges
+    np.testing.assert_allclose(directed(steps)[16:23], 90.0, atol=1.0)
+    np.testing.assert_allclose(directed(steps)[-6:], 0.0, atol=1.0)
+
+
+def test_a_hand_that_turns_the_phone_into_another_mode_of_the_same_posture() -> None:
+    spun = Rotation.from_euler("z", 130.0, degrees=True) * UPRIGHT
+    steps = [carried(k, 0.0, UPRIGHT, mode=HOLDING) for k in range(12)]
+    steps += [carried(k, 0.0, spun, mode=POCKET) for k in range(12, 24)]
+    assert learnt_at(steps)
+    np.testing.assert_allclose(directed(steps)[-6:], 0.0, atol=5.0)

@@ -51,6 +51,19 @@ def _median(values: Array) -> float:
     return 0.5 * (ordered.item(middle) + ordered.item(-middle - 1))
 
 
+def is_clear(mean: complex, variance: float, count: int, parameters: CourseParams) -> bool:
+    """Return True if the acceleration of one step tells its direction, as nearly certain by so many steps.
+
+    The ratio of the mean to the standard deviation has to be above the least one by its own standard deviation, which
+    is large for few steps: else the phones whose ratio is above it by chance are those that are believed. It follows
+    from those of medians of normal errors, where neighbouring steps have the same ones.
+    """
+    ratio = abs(mean) / np.sqrt(variance)
+    observations = count / parameters.correlated_steps
+    error = np.sqrt((0.5 * np.pi + (0.5 * ratio / np.log(2.0)) ** 2) / observations)
+    return bool(ratio - error >= parameters.least_clearness)
+
+
 def course_log_likelihood(
     distance2: Array,
     variance: Array | float,

@@ -19,6 +19,7 @@ from pdr_est.front_end.heading.course.course_likelihood import (
     LEAST_TURN_RAD,
     RATES,
     TURNS_WITHIN,
+    is_clear,
     robust_moments,
 )
 from pdr_est.front_end.heading.course.course_params import CourseParams
@@ -32,7 +33,6 @@ from pdr_est.records import changed
 from pdr_est.types.steps import Step, StepMotion
 
 _REMEMBERED = 60  # steps ahead that tell mean and noise
-_AT_ONCE = 16  # steps whose likelihoods are computed together; the chain may end before the last of them
 _LEAST_RAD = 0.02  # angle and doubt together, below which the walker moves ahead
 _NO_DOUBT = 1e-4  # probability of moving otherwise that is not told
 _CERTAIN = 0.01  # probability of moving otherwise below which the chain ends
@@ -130,7 +130,7 @@ class OnlineCourse:
             if self._chain is None:
                 done.append(self._look(items[k], at))
             else:
-                done += self._follow(self._chain, items[k : k + _AT_ONCE], seen[at - 1 : at + _AT_ONCE])
+                done += self._follow(self._chain, items[k:], seen[at - 1 :])
         self._seen = seen[-_REMEMBERED:]
         return done
 
@@ -164,29 +164,40 @@ class OnlineCourse:
         if np.count_nonzero(before) < LEAST_STEPS:
             return item
         moments = robust_moments(acceleration[: len(before)][before])
-        mean, variance = complex(moments.mean[0]), float(moments.variance[0])
-        if abs(mean) < self._parameters.least_clearness * sqrt(variance):
+        mean, variance, count = complex(moments.mean[0]), float(moments.variance[0]), int(np.count_nonzero(before))
+        if not is_clear(mean, variance, count, self._parameters):
             return item
-        chain = OnlineChain(mean, variance, self._log_evidence, self._parameters)
-        likelihoods = chain.likelihoods(acceleration[len(before) :], running[len(before) :])
-        for (last, at), likelihood in zip(pairwise(seen[len(before) - 1 :]), likelihoods, strict=True):
-            chain.move(at.heading_rad - last.heading_rad, likelihood if at.counts else None)
+        chain = OnlineChain(mean, variance, count, self._log_evidence, self._parameters)
+        first = len(before)
+        for k, (last, at) in enumerate(pairwise(seen[first - 1 :]), start=first):
+            likelihood = chain.likelihood(complex(acceleration[k]), float(running[k])) if at.counts else None
+            chain.move(at.heading_rad - last.heading_rad, likelihood)
         self._running = belief
         return self._described(item, seen[-1], chain)
 
     def _follow(self, chain: OnlineChain, items: Sequence[Step], seen: Sequence[_Seen]) -> list[Step]:
         """Move the chain on by steps until it ends; `seen` begins with the step before."""
-        pairs = list(pairwise(seen))
-        running = [self._running.push(at.pace) for _, at in pairs]
-        likelihoods = chain.likelihoods([0.5 * (last.acceleration + at.acceleration) for last, at in pairs], running)
         done: list[Step] = []
-        for item, (last, at), likelihood in zip(items, pairs, likelihoods, strict=True):
+        for item, (last, at) in zip(items, pairwise(seen), strict=True):
             self._waits = max(self._waits - 1, 0)
-            chain.move(at.heading_rad - last.heading_rad, likelihood if last.counts and at.counts else None)
-            done.append(self._described(item, at, chain))
+            done.append(self._followed(chain, item, last, at))
             if self._chain is None:
                 break
         return done
+
+    def _followed(self, chain: OnlineChain, item: Step, last: _Seen, at: _Seen) -> Step:
+        """Move the chain on by a step; end it where the acceleration turns out not to tell the direction."""
+        turn_rad, running = at.heading_rad - last.heading_rad, self._running.push(at.pace)
+        if not (last.counts and at.counts):
+            chain.move(turn_rad, None)
+            return self._described(item, at, chain)
+        acceleration = 0.5 * (last.acceleration + at.acceleration)
+        chain.move(turn_rad, chain.likelihood(acceleration, running))
+        chain.learn(acceleration, running)
+        if abs(chain.mean) < self._parameters.least_clearness * sqrt(chain.variance):
+            self._chain = None
+            return item
+        return self._described(item, at, chain)
 
     def _described(self, item: Step, seen: _Seen, chain: OnlineChain) -> Step:
         """Give a step its direction of motion and doubt, and end the chain when the walker moves ahead."""

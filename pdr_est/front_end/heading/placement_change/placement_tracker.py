@@ -4,6 +4,7 @@ The posture is the direction of gravity in the phone. When it changes by more th
 phone was put elsewhere. It has settled in its new place after some steps without another such change.
 """
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -22,6 +23,9 @@ _DISTINCT_MODES = frozenset((CarryingMode.HOLDING, *LIMB_MODES))
 # and by any angle; and the probability that a hand still moves a phone that seems to have settled. Ours.
 _SIGMA_STRAIGHT_RAD, _SIGMA_CORNER_RAD = 0.2, 0.6
 _CORNER, _ANY, _HANDLED = 0.15, 0.01, 0.05
+_FLIPS_FORESEEN = 2.0  # changes of the mode that the prior probability of a flip is worth, against those of the walk
+_SURE = 0.95  # probability from which on a phone stays without doubt
+_LOOKED_AT = 6  # steps among which the hand may have turned the phone, for the recogniser's delay
 
 
 class Placing(Enum):
@@ -62,6 +66,12 @@ class PlacementTracker:
         self._away = False
         self._started = False
         self._otherwise = 0  # steps in a row in another mode, with hardly another posture
+        self._latest: deque[Step] = deque(maxlen=_LOOKED_AT)
+        self._stays = 0.0  # probability that the present other mode is an error of the recogniser
+        self._flip_odds = 0.0  # that probability by the walk so far only, as odds
+        self._unmoved = 0.0  # probability that the phone was where it was when it settled, by all but the yaw
+        self._flips, self._changes = 0.0, 0  # such errors so far, by their probability, of so many changes of mode
+        self._taken = False  # out of its place for certain, or out of sight only
         self.posture = Posture((0.0, 0.0, 1.0))
         self.training: list[Step] = []
 
@@ -73,22 +83,43 @@ class PlacementTracker:
     def push(self, step: Step) -> Placing:
         """Take the next step of the segment."""
         up, handled = motion_of(step).up, is_handled(step)
+        self._latest.append(step)
         if not self._started:
             self._started, self.posture, self._mode = True, Posture(up), step.event.mode
         moved_rad = self.posture.angle_to(up)
         other_mode = self._in_other_mode(step)
+        self._otherwise = self._otherwise + 1 if other_mode else 0
+        taken = step.event.mode is CarryingMode.TRANS or moved_rad > self._parameters.moved_rad
+        if other_mode and moved_rad > self._parameters.moved_in_mode_rad:
+            on_limb = self._mode in LIMB_MODES and step.event.mode in LIMB_MODES  # which tilts it at one step
+            over = posture_of(common_up(list(self._latest)[-2:])).up if on_limb else up
+            taken = taken or self.posture.angle_to(over) > self._parameters.moved_in_mode_rad
+        if self._otherwise == self._parameters.other_mode_steps and not taken:
+            self._judge_flip()
         if self._away:
-            if not (handled or other_mode) and moved_rad < self._parameters.returned_rad:
+            self._taken = self._taken or taken
+            if not handled and moved_rad < self._parameters.returned_rad and (not other_mode or self._stays_surely()):
                 self._away = False
                 return Placing.RETURNS
             return self._settle(step, up, handled)
-        self._otherwise = self._otherwise + 1 if other_mode else 0
-        limit_rad = self._parameters.moved_in_mode_rad if other_mode else self._parameters.moved_rad
-        if handled or moved_rad > limit_rad or self._otherwise >= self._parameters.other_mode_steps:
-            self._away, self._otherwise, self.training = True, 0, []
+        elsewhere = self._otherwise >= self._parameters.other_mode_steps and not self._stays_surely()
+        if handled or taken or elsewhere:
+            self._away, self._taken, self.training = True, taken, []
             self._settle(step, up, handled)  # never at once: it takes two steps at least
             return Placing.LEAVES
+        if self._otherwise >= _LOOKED_AT:  # a hand would have moved the phone by now
+            self._mode, self._otherwise = step.event.mode, 0
         return Placing.STAYS
+
+    @property
+    def perhaps_unmoved(self) -> bool:
+        """Return True while the phone is more probably where it was than away from there."""
+        return not self._taken and self._otherwise >= self._parameters.other_mode_steps and self._stays >= 0.5
+
+    @property
+    def unmoved(self) -> float:
+        """Return the probability that a phone which has just settled was not moved at all, by all but its yaw."""
+        return 0.0 if self._taken else self._unmoved
 
     def staying(self, steps: Sequence[Step]) -> Sequence[Step]:
         """Return some steps in the last place without the last ones, at which the phone may have moved already."""
@@ -105,6 +136,30 @@ class PlacementTracker:
         mode = step.event.mode
         return mode is not self._mode and mode in _DISTINCT_MODES and self._mode in _DISTINCT_MODES
 
+    def _stays_surely(self) -> bool:
+        """Return True if another mode in hardly another posture is nearly certainly an error of the recogniser."""
+        judged = self._otherwise >= self._parameters.other_mode_steps
+        return judged and not self._taken and self._stays > _SURE
+
+    def _judge_flip(self) -> None:
+        """Compute how probably the phone stays although the last steps are in another mode.
+
+        A recogniser may take a phone that stays where it is for one in another place, and back. Then the posture is
+        the old one, and the yaw goes on as a walker turns, while a hand turns the phone about the vertical by any
+        angle and leaves it in any posture. How often the recogniser errs is learnt from the walk.
+        """
+        steps = list(self._latest)
+        flips = (_FLIPS_FORESEEN * self._parameters.flip + self._flips) / (_FLIPS_FORESEEN + self._changes)
+        self._flip_odds = flips / (1.0 - flips)
+        odds = self._unmoved_odds(steps[-self._otherwise :]) * _kept_yaw(steps, self.posture)
+        self._stays = odds / (1.0 + odds)
+        self._changes, self._flips = self._changes + 1, self._flips + self._stays
+
+    def _unmoved_odds(self, steps: Sequence[Step]) -> float:
+        return self._flip_odds * _kept_posture(
+            self.posture.angle_to(posture_of(common_up(steps)).up), self._parameters
+        )
+
     def _settle(self, step: Step, up: Vector, handled: bool) -> Placing:
         self.training = [] if handled else self._steady(step, up)
         if not handled:
@@ -112,7 +167,10 @@ class PlacementTracker:
         if len(self.training) <= self._parameters.training_steps:
             return Placing.AWAY
         self.training = _in_place(self.training[1:])
+        odds = self._unmoved_odds(self.training)
+        self._unmoved = odds / (1.0 + odds)
         self.posture, self._mode, self._away = posture_of(common_up(self.training)), step.event.mode, False
+        self._otherwise = 0
         return Placing.SETTLES
 
     def _steady(self, step: Step, up: Vector) -> list[Step]:
@@ -147,6 +205,8 @@ class Placement:
         Number of the step at which the phone had settled.
     mode : CarryingMode
         Carrying mode.
+    unmoved : float
+        Probability that it is the place before, because nobody moved the phone, by all but its yaw.
     """
 
     first: int
@@ -155,13 +215,14 @@ class Placement:
     returned: bool
     settled_at: int
     mode: CarryingMode
+    unmoved: float = 0.0
 
 
 def placements_of(steps: Sequence[Step], parameters: AutoHeadingParams) -> list[Placement]:
     """Find the places of the phone over the steps of a segment."""
     tracker = PlacementTracker(parameters)
     found: list[Placement] = []
-    first, settled, returned, up, inside = 0, 0, False, np.zeros(3), True
+    first, settled, returned, up, inside, unmoved = 0, 0, False, np.zeros(3), True, 0.0
     for number, step in enumerate(steps):
         event = tracker.push(step)
         if number == 0:
@@ -169,14 +230,14 @@ def placements_of(steps: Sequence[Step], parameters: AutoHeadingParams) -> list[
         if event is Placing.LEAVES:
             stay = tracker.staying(steps[first:number])
             if stay:
-                found.append(Placement(first, first + len(stay), up, returned, settled, stay[-1].event.mode))
+                found.append(Placement(first, first + len(stay), up, returned, settled, stay[-1].event.mode, unmoved))
             inside = False
         elif event in (Placing.RETURNS, Placing.SETTLES):
             returned, settled, inside = event is Placing.RETURNS, number, True
             first = number if returned else number - len(tracker.training) + 1
-            up = tracker.up
+            up, unmoved = tracker.up, 0.0 if returned else tracker.unmoved
     if inside and first < len(steps):
-        found.append(Placement(first, len(steps), up, returned, settled, steps[-1].event.mode))
+        found.append(Placement(first, len(steps), up, returned, settled, steps[-1].event.mode, unmoved))
     return found
 
 
@@ -187,13 +248,30 @@ def _in_place(steps: Sequence[Step]) -> list[Step]:
     """
     posture = posture_of(common_up(steps))
     yaw = [posture.yaw_rad(motion) for motion in motions_of(steps)]
-    change = wrap_angle(np.diff(yaw))
-    straight = np.exp(-0.5 * (change / _SIGMA_STRAIGHT_RAD) ** 2) / _SIGMA_STRAIGHT_RAD
-    corner = np.exp(-0.5 * (change / _SIGMA_CORNER_RAD) ** 2) / _SIGMA_CORNER_RAD
-    walking = np.sqrt(2.0 * np.pi) * ((1.0 - _CORNER) * straight + _CORNER * corner)  # over the uniform density
+    walking = _walking_turn(wrap_angle(np.diff(yaw)))
     gain = np.cumsum(np.log(_HANDLED) - np.log(walking + _ANY))[: len(steps) - 2]  # of leaving out so many steps
     best = int(np.argmax(gain)) if len(gain) else 0
     return list(steps[best + 1 :] if len(gain) and gain[best] > 0.0 else steps)
+
+
+def _walking_turn(change_rad: Array) -> Array:
+    """Compute how likely turns of the phone from step to step are for a walker, over the uniform density."""
+    straight = np.exp(-0.5 * (change_rad / _SIGMA_STRAIGHT_RAD) ** 2) / _SIGMA_STRAIGHT_RAD
+    corner = np.exp(-0.5 * (change_rad / _SIGMA_CORNER_RAD) ** 2) / _SIGMA_CORNER_RAD
+    return np.asarray(np.sqrt(2.0 * np.pi) * ((1.0 - _CORNER) * straight + _CORNER * corner))
+
+
+def _kept_yaw(steps: Sequence[Step], posture: Posture) -> float:
+    """Compute the likelihood ratio of a phone that stays, against one turned by any angle at one of some steps."""
+    change = wrap_angle(np.diff([posture.yaw_rad(motion) for motion in motions_of(steps)]))
+    return float(1.0 / np.mean(1.0 / (_walking_turn(change) + _ANY))) if len(change) else 1.0
+
+
+def _kept_posture(moved_rad: float, parameters: AutoHeadingParams) -> float:
+    """Compute the likelihood ratio of a phone that stays, against one in any posture below the limit of its mode."""
+    sigma_rad = parameters.sigma_flip_rad
+    kept = np.exp(-0.5 * (moved_rad / sigma_rad) ** 2) / sigma_rad**2
+    return float(0.5 * parameters.moved_in_mode_rad**2 * kept)
 
 
 def is_handled(step: Step) -> bool:

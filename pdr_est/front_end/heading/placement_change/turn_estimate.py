@@ -103,6 +103,7 @@ def estimate_turn(
     known: Sequence[KnownPlace],
     heading_rad: float,
     parameters: AutoHeadingParams,
+    unmoved: float = 0.0,
 ) -> TurnEstimate:
     """Estimate the turn of the walker between two places of the phone.
 
@@ -118,6 +119,8 @@ def estimate_turn(
         Heading at the end of the steps before.
     parameters : AutoHeadingParams
         Probabilities and standard deviations.
+    unmoved : float
+        Probability that nobody moved the phone, by all but its yaw.
     """
     yaw_before, yaw_after = before.yaws_rad, after.yaws_rad
     going_on = _habit(yaw_before[-_EDGE_STEPS:], yaw_after[:_EDGE_STEPS], between, parameters)
@@ -126,7 +129,7 @@ def estimate_turn(
     ]
     start_rad, end_rad = first_heading(yaw_after, parameters.bend_rad), last_heading(yaw_before, parameters.bend_rad)
     by_axis = difference(directions[1], directions[0], start_rad - end_rad)
-    as_before = _as_carried_before(after, start_rad - heading_rad, known, parameters)
+    as_before = _as_carried_before(after, start_rad - heading_rad, known, parameters, unmoved)
     straight = gaussian(0.0, parameters.sigma_kept_rad)
     cues = (
         ("straight on", straight * parameters.straight),
@@ -137,14 +140,16 @@ def estimate_turn(
 
 
 def _as_carried_before(
-    after: PlacedSteps, turned_rad: float, known: Sequence[KnownPlace], parameters: AutoHeadingParams
+    after: PlacedSteps, turned_rad: float, known: Sequence[KnownPlace], parameters: AutoHeadingParams, unmoved: float
 ) -> Array:
     """Compute the density (360,) of the turn by the places that the new one may be the same as.
 
-    `turned_rad` is the yaw of the phone in the new place less the heading before.
+    `turned_rad` is the yaw of the phone in the new place less the heading before. The yaw of a phone that nobody
+    moved tells the turn by itself.
     """
     mode = after.steps[-1].event.mode
-    parts, left = [], 1.0
+    offset_rad = known[-1].offset_rad + yaw_between_postures(known[-1].up, after.up)
+    parts, left = [(unmoved, gaussian(turned_rad - offset_rad, parameters.sigma_kept_rad))], 1.0 - unmoved
     for number, place in enumerate(reversed(known)):
         alike = np.exp(-0.5 * (angle_between(after.up, place.up) / parameters.sigma_posture_rad) ** 2)
         probability = parameters.same_place if mode is place.mode else parameters.same_in_other_mode * (number == 0)

@@ -119,7 +119,7 @@ def placed_walk(
         yaw = here.yaws_rad
         if number and not place.returned:
             between = place.first - places[number - 1].last
-            turn = estimate_turn(placed[number - 1], here, between, known, end_rad, parameters)
+            turn = estimate_turn(placed[number - 1], here, between, known, end_rad, parameters, place.unmoved)
             turns[number] = refine(number, turn)
             turn_rad = turns[number].hypotheses()[0].heading_change_rad
             offset_rad = first_heading(yaw, parameters.bend_rad) - end_rad - turn_rad
