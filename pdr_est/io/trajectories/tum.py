@@ -7,8 +7,11 @@ from pdr_est.io.side_tables.table_times import seconds_in_unit
 from pdr_est.io.text.encoding import as_utf8
 from pdr_est.io.trajectories.trajectory import UNNAMED, Trajectory, check_trajectory, clock_of
 
-WIDTHS = (4, 8)
-"""Numbers in a line: `time x y z`, which may be followed by a quaternion."""
+WIDTHS = (4, 8, 20)
+"""Numbers in a line: `time x y z`, which may be followed by a quaternion, and by the upper triangles of the
+covariances of orientation and position, as OpenVINS has them."""
+
+_COVARIANCE_OF_POSITION = (14, 15, 17)  # columns of xx, xy and yy in a line of 20
 
 _UPRIGHT_SHARE = 0.2  # of the way in the plane; stairs rise less than 0.7 of it, and no walk has stairs alone
 
@@ -24,7 +27,7 @@ def is_tum(head: bytes) -> bool:
 
 
 def read_tum(data: bytes, place: str) -> Trajectory:
-    """Read lines `time x y z` or `time x y z qx qy qz qw`; x points east and y north, m.
+    """Read lines `time x y z` or `time x y z qx qy qz qw`, with covariances or without; x points east and y north, m.
 
     Lines that begin with # are comments. The heading and z are not used.
 
@@ -33,7 +36,8 @@ def read_tum(data: bytes, place: str) -> Trajectory:
     RecordingError
         For a line with another number of values or text, with its number; and as `check_trajectory` does.
     """
-    rows: list[tuple[float, ...]] = []
+    rows: list[list[float]] = []
+    covariances: list[list[float]] = []
     places: list[str] = []
     for number, line in enumerate(as_utf8(data).decode("utf-8", "replace").splitlines(), start=1):
         cells = line.split()
@@ -42,15 +46,19 @@ def read_tum(data: bytes, place: str) -> Trajectory:
         where = f"{place}, line {number}"
         if len(cells) not in WIDTHS:
             raise RecordingError(
-                f"{where}: {len(cells)} values instead of the {WIDTHS[1]} of TUM, time x y z qx qy qz qw: complete "
+                f"{where}: {len(cells)} values instead of the 8 of TUM, time x y z qx qy qz qw: complete "
                 "or remove the line"
             )
         wrong = [cell for cell in cells if not _is_number(cell)]
         if wrong:
             raise RecordingError(f"{where}: {wrong[0][:60]!r} is not a number: correct it or remove the line")
-        rows.append(tuple(map(float, cells[:4])))
+        numbers = [float(cell) for cell in cells]
+        rows.append(numbers[:4])
+        covariances.append([numbers[i] for i in _COVARIANCE_OF_POSITION] if len(cells) == WIDTHS[2] else [np.nan] * 3)
         places.append(where)
     values = np.array(rows, dtype=np.float64).reshape(-1, 4)
+    xx, xy, yy = np.array(covariances, dtype=np.float64).reshape(-1, 3).T
+    known = bool(np.isfinite([xx, xy, yy]).all())
     time_s = values[:, 0] * seconds_in_unit(values[:, 0])
     trajectory = Trajectory(
         place=place,
@@ -60,6 +68,7 @@ def read_tum(data: bytes, place: str) -> Trajectory:
         position=values[:, 1:3],
         in_degrees=False,
         device=np.full(len(values), UNNAMED),
+        covariance_m2=np.array([[xx, xy], [xy, yy]]).transpose(2, 0, 1) if known and len(values) else None,
         notes=_doubt_about_up(values),
     )
     check_trajectory(trajectory, places)

@@ -20,7 +20,7 @@ from pdr_est.types.csv_cells import harmless_name
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin
 from pdr_est.types.steps import CarryingMode, Step
-from pdr_est.types.track import Track
+from pdr_est.types.track import Track, with_standing_poses
 
 STEP_COLUMNS = (
     "time_s",
@@ -43,7 +43,8 @@ Json = dict[str, Any]
 def write_tum(track: Track, path: str | Path, epoch_s: float | None = None) -> tuple[Path, ...]:
     """Write the poses as `time x y z qx qy qz qw` lines, the format of the TUM RGB-D benchmark that evo reads.
 
-    z is 0, and the quaternion rotates by the heading about z.
+    z is 0, and the quaternion rotates by the heading about z. Where the walker stands, a line more says when the next
+    step begins: other programs take the walker to move evenly between two lines.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ def write_tum(track: Track, path: str | Path, epoch_s: float | None = None) -> t
         files[file] = device
     for file, device in files.items():
         with text_output(file) as stream:
-            stream.writelines(_tum_lines(track.of_device(device), epoch_s or 0.0))
+            stream.writelines(_tum_lines(with_standing_poses(track.of_device(device)), epoch_s or 0.0))
     return tuple(files)
 
 

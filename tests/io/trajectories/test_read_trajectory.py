@@ -64,6 +64,14 @@ def test_tum_of_nanoseconds_and_gzipped(tmp_path: Path) -> None:
     assert read.clock is Clock.UNIX
 
 
+def test_tum_with_covariances(tmp_path: Path) -> None:
+    tail = "0 0 0 1 0 0 0 0 0 0.1 4 1 0 9 0 0"
+    text = f"# timestamp(s) tx ty tz qx qy qz qw Pr11\n0.5 1 2 0 {tail}\n1.5 3 4 0 {tail}\n"
+    read = read_trajectory(saved(tmp_path, text, "track.txt"))
+    assert read.covariance_m2 is not None
+    np.testing.assert_array_equal(read.covariance_m2, [[[4.0, 1.0], [1.0, 9.0]]] * 2)
+
+
 def test_tum_with_y_up_is_told(tmp_path: Path) -> None:
     (note,) = read_trajectory(saved(tmp_path, "0 0 1.5 0\n1 1 1.6 5\n2 2 1.5 9\n", "arkit.tum")).notes
     assert "if y is up in this file" in note
