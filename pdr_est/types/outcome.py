@@ -37,7 +37,7 @@ class TrackOutcome:
     error_m
         (p,) m, position error there.
     squared
-        (p,) squared Mahalanobis distance of the error (2 is right on average); empty without fixes.
+        (p,) squared Mahalanobis distance of the error (2 is right on average); empty without fixes or covariance.
     counts
         Number of points or steps that the metrics are based on, by name.
     predicted

@@ -99,6 +99,8 @@ def _lines(walk: AnalysedWalk, name: str, track: Track, with_fixes: bool) -> Lin
         return _plotted(aligned.apply(track.position_m), way_m[1:], error_m[1:])  # the alignment matches the first
     held = ~held_out.given(pairs)
     error_m = point_errors(pairs.track_m, pairs.truth_m)
+    if not np.isfinite(pairs.covariance_m2).all():  # of another program
+        return _plotted(track.position_m, way_m[held], error_m[held])
     difference_m = pairs.track_m - pairs.truth_m
     squared = squared_mahalanobis(difference_m, pairs.covariance_m2, held_out.truth_sigma_m)
     return _plotted(track.position_m, way_m[held], error_m[held], squared[held])
