@@ -112,7 +112,7 @@ print(f"{(squared < 5.99).mean():.0%} of the positions are within their 95 % ell
 import json
 from pathlib import Path
 
-from pdr_est.io.writers.track_files import write_geojson
+from pdr_est.io.writers.geojson import write_geojson
 from pdr_est.types.recording import GeoOrigin
 
 zurich = GeoOrigin(latitude_deg=47.3769, longitude_deg=8.5417)

@@ -44,6 +44,9 @@ CLOCK_METHODS = ("walk", "messages", "given", "none")
 RECORDING_FORMATS = ("csv", "parquet", "sensor-logger", "npz", "hdf5")
 """Formats that `pdr-est convert` writes."""
 
+TRACK_FORMATS = ("tum", "geojson", "kml", "gpx", "tum-covariance", "iso21134")
+"""Formats in which `pdr-est smooth` writes a track for other programs."""
+
 SUITE_NAMES = (
     "gait",
     "ilc20",

@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from pdr_est.cli.call_paths import FixesType, OutputPath, note_input
-from pdr_est.cli.choices import CLOCK_METHODS, DETECTORS, ESTIMATORS, HEADING_METHODS, LENGTH_MODELS
+from pdr_est.cli.choices import (
+    CLOCK_METHODS,
+    DETECTORS,
+    ESTIMATORS,
+    HEADING_METHODS,
+    LENGTH_MODELS,
+    TRACK_FORMATS,
+)
 from pdr_est.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -230,6 +237,45 @@ def fixes_option(command: Command) -> Command:
         "the device while passing them.",
     )
     return option(command)
+
+
+class _FormatsType(click.ParamType[Any]):
+    """Names of formats of a track, separated by commas."""
+
+    name = "formats"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        names = [name.strip().lower() for name in value.split(",")]
+        for name in names:
+            if name not in TRACK_FORMATS:
+                self.fail(f"{name!r} is no format of a track: give one of {', '.join(TRACK_FORMATS)}", param, ctx)
+        return tuple(names)
+
+
+def _join_formats(
+    _ctx: click.Context, _param: click.Parameter, value: tuple[tuple[str, ...], ...]
+) -> tuple[str, ...] | None:
+    names = tuple(dict.fromkeys(name for names in value for name in names))
+    return names or None
+
+
+def formats_option(default: str) -> Callable[[Command], Command]:
+    """Return a decorator that adds the option --format NAME to a command, which then takes `formats`.
+
+    Parameters
+    ----------
+    default
+        What is written without the option, in words.
+    """
+    return click.option(
+        "--format",
+        "formats",
+        type=_FormatsType(),
+        multiple=True,
+        metavar="NAME,…",
+        callback=_join_formats,
+        help=f"Formats of the track for other programs: {', '.join(TRACK_FORMATS)}; may be repeated. {default}",
+    )
 
 
 def jobs_option(command: Command) -> Command:

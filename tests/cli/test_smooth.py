@@ -120,7 +120,10 @@ def test_the_tum_file_opens_with_evo(plain: Path) -> None:
 def test_the_geojson_has_a_line_through_all_poses(plain: Path) -> None:
     collection = document(plain, "track.geojson")
     assert collection["type"] == "FeatureCollection"
-    (line,) = collection["features"]
+    line, *others = collection["features"]
+    kinds = [one["properties"]["feature"] for one in others]
+    assert kinds.count("pose") == len(table(plain))
+    assert kinds.count("ellipse") > 0.9 * len(table(plain))  # at the start, which is certain, there is none
     assert line["geometry"]["type"] == "LineString"
     assert len(line["geometry"]["coordinates"]) == len(table(plain))
     assert collection["coordinate_unit"] == "metre"
@@ -209,7 +212,7 @@ def test_fixes_of_a_file_draw_the_track(good: Path, tmp_path: Path, walk: Walk) 
     assert (float(last["x_m"]), float(last["y_m"])) == pytest.approx((100.0, 61.0), abs=0.3)
     assert document(tmp_path / "out")["fixes"] == {"given": 2, "used": 2, "aligned_with": 0, "sources": {"file": 2}}
     features = document(tmp_path / "out", "track.geojson")["features"]
-    assert [feature["properties"]["feature"] for feature in features] == ["track", "fix", "fix"]
+    assert [feature["properties"]["feature"] for feature in features[:4]] == ["track", "fix", "fix", "pose"]
 
 
 @not_drawn

@@ -20,6 +20,7 @@ from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
 from pdr_est.performance import NAME
 from pdr_est.preprocessing.turned_device import TURN_NAMES
+from pdr_est.report.walk.track_formats import TRACK_FORMATS
 
 PICTURES = {"matplotlib", "jinja2"}
 ESTIMATION = {"gtsam", "filterpy"}
@@ -92,6 +93,7 @@ def test_the_words_that_options_offer_are_those_of_the_package() -> None:
         "--heading-method": tuple(HEADINGS),
         "--clock": get_args(ClockMethod),
         "convert --format": tuple(FORMATS),
+        "smooth --format": tuple(TRACK_FORMATS),
         "benchmark SUITE": tuple(sorted([NAME, *(suite.name for suite in SUITES)])),
         "benchmark --turn-device": TURN_NAMES,
         "benchmark, every value": EVERY,
@@ -102,6 +104,7 @@ def test_the_words_that_options_offer_are_those_of_the_package() -> None:
         "--heading-method": choices.HEADING_METHODS,
         "--clock": choices.CLOCK_METHODS,
         "convert --format": choices.RECORDING_FORMATS,
+        "smooth --format": choices.TRACK_FORMATS,
         "benchmark SUITE": choices.SUITE_NAMES,
         "benchmark --turn-device": choices.DEVICE_TURNS,
         "benchmark, every value": choices.EVERY_VALUE,

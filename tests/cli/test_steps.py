@@ -11,7 +11,7 @@ from cli_recordings import ACC, Walk, columns_of, lines_of, save, with_cell
 from cli_runs import refused, run, smooth_refused, smoothed
 
 from pdr_est.front_end.steps import DETECTORS
-from pdr_est.io.writers.track_files import STEP_COLUMNS
+from pdr_est.io.writers.steps_table import STEP_COLUMNS
 
 
 @pytest.fixture(scope="session")

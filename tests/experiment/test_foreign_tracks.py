@@ -13,7 +13,7 @@ from pdr_est import pipeline
 from pdr_est.config import Config, config_with
 from pdr_est.errors import ConfigError, OutputError
 from pdr_est.experiment import Experiment, load_experiment, run_experiment
-from pdr_est.io.writers.track_files import write_tum
+from pdr_est.io.writers.trajectories import write_tum
 from pdr_est.types.track import Track
 
 TEXT = """\

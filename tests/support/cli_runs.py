@@ -1,5 +1,6 @@
 """Runs of the command line, and what every refusal and every interruption must look like."""
 
+import json
 import os
 import signal
 import subprocess
@@ -15,6 +16,8 @@ from pdr_est.cli import main
 
 PROGRAM = (sys.executable, "-c", "from pdr_est.cli import main; main()")
 RESULT_FILES = {"track.csv", "steps.csv", "track.tum", "track.geojson", "summary.json", "report.html"}
+EARTH_FILES = {"track.kml", "track.gpx"}
+"""Files that are written as well where the track can be placed on the Earth."""
 
 
 def run(*arguments: object) -> Result:
@@ -49,7 +52,10 @@ def smoothed(recording: Path, out: Path, *options: object) -> Result:
     """A `smooth` that must succeed with all its files."""
     result = run("smooth", recording, "-o", out, *options)
     assert result.exit_code == 0, result.output
-    assert {path.name for path in out.iterdir() if not path.name.startswith(".")} == RESULT_FILES
+    written = {path.name for path in out.iterdir() if not path.name.startswith(".")}
+    assert written - EARTH_FILES - {"truth.tum"} == RESULT_FILES
+    placed = json.loads((out / "summary.json").read_text(encoding="utf-8"))["on_earth"]["placed"]
+    assert written & EARTH_FILES == (EARTH_FILES if placed else set())
     assert [path.name for path in out.parent.iterdir() if path.name.endswith(".partial")] == []
     return result
 

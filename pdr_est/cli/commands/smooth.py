@@ -11,6 +11,7 @@ from pdr_est.cli.options import (
     config_option,
     estimation_options,
     fixes_option,
+    formats_option,
     jobs_option,
     recording_options,
 )
@@ -43,6 +44,7 @@ from pdr_est.module_loading import loading_modules
 @clock_options
 @click.option("--each", is_flag=True, help="Each RECORDING is a walk of its own, not a device of the same walk.")
 @jobs_option
+@formats_option("Default: tum, geojson, and where the place on the Earth is known kml, gpx.")
 @click.option(
     "--report/--no-report",
     default=None,

@@ -4,7 +4,15 @@ from typing import Any
 
 import click
 
-from pdr_est.cli.options import OUTPUT, PATH, config_option, estimation_options, fixes_option, recording_options
+from pdr_est.cli.options import (
+    OUTPUT,
+    PATH,
+    config_option,
+    estimation_options,
+    fixes_option,
+    formats_option,
+    recording_options,
+)
 from pdr_est.module_loading import loading_modules
 
 
@@ -18,6 +26,7 @@ from pdr_est.module_loading import loading_modules
     help="Write to this file, which appears when the walk has ended, instead of standard output.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace the output FILE if it exists.")
+@formats_option("Written beside FILE when the walk has ended. Default: none.")
 @click.option("--realtime", is_flag=True, help="Replay at the speed of the recording, not as fast as possible.")
 @click.option(
     "--platform",

@@ -47,6 +47,7 @@ def smooth_walks(
     messages: Path | None,
     each: bool,
     jobs: int,
+    formats: tuple[str, ...] | None,
     report: bool | None,
     overwrite: bool,
     quiet: bool,
@@ -62,7 +63,7 @@ def smooth_walks(
     paths = distinct_paths(path for group in found for path in group)
     many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping, devices)
     with_report = not many if report is None else report
-    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report, truth)
+    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report, truth, formats)
     if many:
         _smooth_many(paths, output, request, jobs, quiet)
         return
@@ -75,7 +76,7 @@ def smooth_walks(
         click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {shown}")
         if config.start.pose().position_m is not None and summary["frame"] != "map":
             click.echo(f"frame: {summary['frame_meaning']}; give --heading, a second position, or fixes")
-        for line in result.words:
+        for line in (*result.left_out, *result.words):
             click.echo(line)
 
 

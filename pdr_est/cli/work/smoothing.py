@@ -51,6 +51,8 @@ class SmoothRequest:
         True to write the page with the pictures, which takes longer than all the rest.
     truth : Path or None
         File of true positions, which measure the errors.
+    formats : tuple of str or None
+        Formats of the track for other programs; None for the default.
     """
 
     config: Config
@@ -62,6 +64,7 @@ class SmoothRequest:
     inputs: tuple[Path, ...] = ()
     report: bool = True
     truth: Path | None = None
+    formats: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,14 @@ class SmoothedFolder:
     summary: dict[str, Any]
     learnt: LearntWalk | NotLearnt | None
     words: tuple[str, ...]
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Lines about formats that were left out although the recording has positions on the Earth."""
+        reasons: dict[str, str] = self.summary["formats"]["left_out"]
+        if not reasons or self.summary["recording"]["origin"] is None:
+            return ()
+        return (f"not written: {', '.join(reasons)}; {next(iter(reasons.values()))}",)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -135,6 +146,7 @@ def _smooth_into(
 ) -> tuple[dict[str, Any], LearntWalk | NotLearnt | None]:
     """Read, smooth and write a walk into an existing folder; return the summary, and what a profile learns."""
     from pdr_est.report.walk.result_files import write_results  # matplotlib is slow to load
+    from pdr_est.report.walk.track_formats import require_possible_formats
 
     part, own, config = request.part, request.own, request.config
     surveyed = None if request.truth is None else read_trajectory(request.truth)  # before the long work
@@ -147,13 +159,17 @@ def _smooth_into(
         recorded = without_used_truth(part.cut(whole), request.fixes)
         if surveyed is not None:  # after the fixes, so that it never becomes one
             recorded = with_surveyed_truth(recorded, surveyed)
+        require_possible_formats(request.formats, recorded)
         known = known if part.is_all else fixes_within(known, recorded)
         walk = pipeline.smooth_recording(recorded, config, known)
         learnt = own.learnt_from(whole, recorded, walk.devices, config, known)
     bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
     digests |= {} if request.truth is None else {str(request.truth): file_digests(request.truth)[request.truth.name]}
-    return write_results(folder, walk, recorded, config, digests, prior, with_report=request.report), learnt
+    summary = write_results(
+        folder, walk, recorded, config, digests, prior, with_report=request.report, formats=request.formats
+    )
+    return summary, learnt
 
 
 def _digests(path: Path, several: bool) -> dict[str, str]:

@@ -19,7 +19,7 @@ from pdr_est.cli.walk_list import NamedPath, expand_paths, named_paths
 from pdr_est.config import Config
 from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.io.tables.mapping import TableMapping
-from pdr_est.io.writers.track_files import write_steps_csv
+from pdr_est.io.writers.steps_table import write_steps_csv
 from pdr_est.output.atomic_output import staged_file
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.pipeline.warnings import warnings_of

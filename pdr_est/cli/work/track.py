@@ -15,6 +15,7 @@ from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.tracking_streams import follow_live, replay
 from pdr_est.cli.work.bounded_notes import bounded_lines
+from pdr_est.cli.work.track_files import OnlineTrackFiles
 from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_overlap
 from pdr_est.config import Config
 from pdr_est.estimators import SPECS
@@ -25,6 +26,7 @@ from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.output.growing_file import growing_file
 from pdr_est.preprocessing.moments import Moment
 from pdr_est.preprocessing.quality.warnings import quality_warnings
+from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
 _LIVE = Path("-")
@@ -34,6 +36,7 @@ def track_walk(
     recordings: tuple[Path, ...],
     output: Path | None,
     overwrite: bool,
+    formats: tuple[str, ...] | None,
     realtime: bool,
     platform: Platform | None,
     fixes: str | None,
@@ -54,6 +57,7 @@ def track_walk(
             "its first step leads along x, so that it is turned arbitrarily",
             err=True,
         )
+    files = _track_files(output, formats, overwrite, live=_LIVE in recordings)
     if _LIVE in recordings:
         if len(recordings) > 1 or realtime or fixes not in (None, RECORDED) or not part.is_all or mapping:
             raise click.UsageError(
@@ -68,7 +72,22 @@ def track_walk(
             "--platform is for phones that send to -; a recording knows its platform: leave the option out"
         )
     with _output_stream(output, overwrite) as stream:  # before anything is read: it may be an input
-        _track_recordings(recordings, part, config, fixes, realtime, stream)
+        recorded, known = _track_recordings(recordings, part, config, fixes, realtime, stream, files)
+    if files is not None:
+        files.write(recorded, known, config)
+
+
+def _track_files(
+    output: Path | None, formats: tuple[str, ...] | None, overwrite: bool, live: bool
+) -> OnlineTrackFiles | None:
+    """Prepare the files for other programs; None if no format is asked for."""
+    if formats is None:
+        return None
+    if live:
+        raise click.UsageError("--format is for recordings that are replayed: leave it out with -")
+    if output is None:
+        raise click.UsageError("--format writes files beside that of the estimates: give -o FILE as well")
+    return OnlineTrackFiles(output, formats, overwrite, input_paths())
 
 
 def _track_recordings(
@@ -78,11 +97,15 @@ def _track_recordings(
     fixes: str | None,
     realtime: bool,
     stream: TextIO,
-) -> None:
+    files: OnlineTrackFiles | None,
+) -> tuple[Recording, tuple[PositionFix, ...]]:
+    """Replay recordings; return what was tracked, and its fixes."""
     read_in = part.read_files(recordings)
     whole = part.join(read_in, recordings)
     with prefix_errors(", ".join(map(str, recordings))):
         recorded = part.cut(whole)
+        if files is not None:
+            files.require_possible(recorded, config)
     _refuse_apart(recorded, recordings)
     if len(whole.devices) > len(read_in[0].devices) and any(one.epoch_s is None for one in read_in):
         undated = "not every recording has a date: their times are assumed to count from the same moment"
@@ -94,6 +117,7 @@ def _track_recordings(
     for device in recorded.devices:
         for words in dict.fromkeys((*device.warnings, *quality_warnings(device))):
             click.echo(f"warning: {device.name}: {words}", err=True)
+    return recorded, known
 
 
 def _refuse_apart(recorded: Recording, paths: Sequence[Path]) -> None:

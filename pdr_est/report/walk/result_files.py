@@ -1,7 +1,7 @@
 """The result files of a smoothed walk."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +12,14 @@ from pdr_est.evaluate.time_association import associate
 from pdr_est.evaluate.trajectories.scores import consistency_metrics
 from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
-from pdr_est.io.writers.track_files import write_geojson, write_steps_csv, write_tum
+from pdr_est.io.writers.steps_table import write_steps_csv
 from pdr_est.module_loading import loading_modules
 from pdr_est.output.atomic_output import write_text
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
+from pdr_est.report.walk.earth_placement import place_on_earth
 from pdr_est.report.walk.summary import Json, package_versions, summarise
+from pdr_est.report.walk.track_formats import WrittenTrack, write_track_formats
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
 
@@ -30,8 +32,9 @@ def write_results(
     inputs: Mapping[str, str | None],
     profile: Profile | None = None,
     with_report: bool = True,
+    formats: Sequence[str] | None = None,
 ) -> Json:
-    """Write track.csv, steps.csv, track.tum, track.geojson, summary.json and report.html.
+    """Write track.csv, steps.csv, summary.json, report.html, and the track in formats for other programs.
 
     Parameters
     ----------
@@ -49,6 +52,8 @@ def write_results(
         Profile of the walker, if the configuration was made with one.
     with_report : bool
         False to leave out report.html, whose pictures take longer than all the rest.
+    formats : sequence of str or None
+        Formats of the track, names of `TRACK_FORMATS`; None for the default.
 
     Returns
     -------
@@ -59,28 +64,46 @@ def write_results(
     ------
     OutputError
         If a file cannot be written.
+    RecordingError
+        If a format that was chosen needs a place on the Earth and there is none.
     """
-    start, gaits = config.start.pose(), gait_model(config.gait)
     summary = summarise(
         walk,
         recording,
         config_to_dict(config),
         inputs,
         package_versions(),
-        start=start,
+        start=config.start.pose(),
         errors=truth_errors(walk, recording),
         profile=profile,
-        gait_model_sha256=None if gaits is None else model_digest(gaits),
+        gait_model_sha256=_gait_digest(config),
     )
-    origin = recording.origin if summary["frame"] == "map" else None
-    walk.track.to_csv(folder / "track.csv")
-    write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
-    write_tum(walk.track, folder / "track.tum", recording.epoch_s)
-    write_geojson(walk.track, folder / "track.geojson", origin, fixes=walk.fixes)
+    summary |= _write_tracks(folder, walk, recording, config, summary["frame"], formats)
     write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     if with_report:
         _write_report(folder / "report.html", walk, recording, summary)
     return summary
+
+
+def _gait_digest(config: Config) -> str | None:
+    gaits = gait_model(config.gait)
+    return None if gaits is None else model_digest(gaits)
+
+
+def _write_tracks(
+    folder: Path,
+    walk: SmoothedWalk,
+    recording: Recording,
+    config: Config,
+    frame: str,
+    formats: Sequence[str] | None,
+) -> Json:
+    """Write the tables of track and steps, and the track for other programs; return what the summary says of it."""
+    walk.track.to_csv(folder / "track.csv")
+    write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
+    earth = place_on_earth(walk.track, frame, recording, config.fixes)
+    found = write_track_formats(WrittenTrack(walk.track, earth, recording, walk.fixes), folder, formats=formats)
+    return {"on_earth": {"placed": earth.origin is not None, "meaning": earth.meaning}, "formats": found}
 
 
 def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json) -> None:
