@@ -33,6 +33,7 @@ COMMANDS = MappingProxyType(
         "benchmark": "benchmark:benchmark",
         "experiment": "experiment:experiment",
         "compare": "compare:compare",
+        "evaluate": "evaluate:evaluate_command",
         "config": "config:config",
         "train-gait": "train_gait:train_gait_command",
         "demo": "demo:demo_command",

@@ -7,6 +7,7 @@ import numpy as np
 
 from pdr_est import pipeline
 from pdr_est.config import Config
+from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.experiment.held_out import HeldOut, HeldOutProtocol
 from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.measurements import PositionFix
@@ -66,6 +67,12 @@ class AnalysedWalk:
         """Division of the true positions into fixes and held-out points; None without fixes or true positions."""
         truth = self.recording.truth.positions
         return None if truth is None or self._protocol is None else self._protocol.held_out(truth)
+
+    @property
+    def track_names(self) -> tuple[str, ...]:
+        """Names of the devices, and of the person if an estimator made a track of several."""
+        names = tuple(device.device for device in self.devices)
+        return (*names, FUSED) if self.tracks and FUSED in self.tracks[0][1].devices else names
 
     def span_of(self, name: str) -> tuple[float, float]:
         """Return the times, s, of the first and the last sample that the front end could use.

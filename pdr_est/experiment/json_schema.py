@@ -27,6 +27,8 @@ def experiment_schema() -> Json:
     sections = settings.pop("$defs")
     settings["patternProperties"] = {_DOTTED: {}}
     file = {"settings_file": {"type": "string", "description": "Relative to the experiment file."}}
+    tracks = "Files of another program's tracks, such as ronin/{walk}.tum, relative to the experiment file."
+    file["track_files"] = {"type": "string", "description": tracks}
     variant = {**settings, "title": "Variant", "properties": {**settings["properties"], **file}}
     properties = document["properties"]
     properties["settings"] = {"$ref": "#/$defs/Settings"}

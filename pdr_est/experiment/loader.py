@@ -16,7 +16,7 @@ from pdr_est.experiment.scoring.experiment_suite import experiment_suite
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
 from pdr_est.experiment.suite import Suite
 from pdr_est.experiment.suites import SUITES, suite_named
-from pdr_est.experiment.variants.axes import Variant
+from pdr_est.experiment.variants.axes import TRACK_FILES, Variant
 from pdr_est.experiment.variants.expand import expand
 from pdr_est.experiment.walks import Walk, find_walks
 from pdr_est.params.validation_messages import Location, explain, nearest
@@ -65,7 +65,10 @@ class Experiment:
     def resolved(self) -> dict[str, Any]:
         """Make an experiment file, as plain dictionaries, that contains every setting of every variant."""
         variants: dict[str, dict[str, Any] | None] = {
-            variant.name: config_to_dict(variant.config) for variant in self.variants
+            variant.name: config_to_dict(variant.config)
+            if variant.track_files is None
+            else {TRACK_FILES: variant.track_files}
+            for variant in self.variants
         }
         plain = dataclasses.asdict(
             replace(self.config, settings_file=None, settings={}, variants=variants, sweep={}, metrics=self.metrics)

@@ -21,7 +21,7 @@ class TrackOutcome:
     metrics
         Value of each metric; None where it cannot be computed.
     steps
-        Number of detected steps.
+        Number of detected steps; None for a track that was read from a file.
     true_steps
         Number of steps taken; None where it is unknown.
     mode_shares
@@ -37,7 +37,7 @@ class TrackOutcome:
     error_m
         (p,) m, position error there.
     squared
-        (p,) squared Mahalanobis distance of the error (2 is right on average); empty without fixes.
+        (p,) squared Mahalanobis distance of the error (2 is right on average); empty without fixes or covariance.
     counts
         Number of points or steps that the metrics are based on, by name.
     predicted
@@ -52,7 +52,7 @@ class TrackOutcome:
     labels: Mapping[str, str]
     mode: str
     metrics: Mapping[str, float | None]
-    steps: int
+    steps: int | None
     true_steps: int | None
     mode_shares: Mapping[str, float]
     with_fixes: bool

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from pdr_est.types.measurements import PositionFix
 
+_SHORTEST_PAUSE_S = 1e-3  # of a walker who stands; times are written to 1 µs
 _POSE_FIELDS = (
     "time_s",
     "moving_from_s",
@@ -236,6 +237,30 @@ def bracketing_poses(
     begin = np.maximum(moving_from_s[after], time_s[before])
     span = np.maximum(time_s[after] - begin, 1e-9)
     return before, after, np.clip((at_s - begin) / span, 0.0, 1.0)
+
+
+def with_standing_poses(track: Track) -> Track:
+    """Add a pose where the walker begins to move after standing, so that straight lines between poses say so.
+
+    Programs that know poses only interpolate between them, which would spread a step over the time before it.
+
+    Parameters
+    ----------
+    track
+        Track of one device.
+
+    Returns
+    -------
+    Track
+        The track with a copy of the pose before each pause at the end of the pause; the steps to them have no length.
+    """
+    stands = np.flatnonzero(track.moving_from_s[1:] > track.time_s[:-1] + _SHORTEST_PAUSE_S)
+    order = np.insert(np.arange(len(track)), stands + 1, stands)
+    added = stands + 1 + np.arange(len(stands))
+    columns: dict[str, Any] = {name: getattr(track, name)[order] for name in _POSE_FIELDS}
+    columns["time_s"][added] = columns["moving_from_s"][added] = track.moving_from_s[stands + 1]
+    columns["step_length_m"][added] = 0.0
+    return replace(track, **columns)
 
 
 def concatenate(tracks: Sequence[Track]) -> Track:

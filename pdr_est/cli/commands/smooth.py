@@ -22,6 +22,12 @@ from pdr_est.module_loading import loading_modules
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING…")
 @click.option("-o", "--output", type=OUTPUT, required=True, metavar="OUT", help="Folder for the results.")
 @fixes_option
+@click.option(
+    "--truth",
+    type=PATH,
+    metavar="FILE",
+    help="True positions of the walk, which measure the errors and are never used: a table, TUM, GeoJSON or GPX.",
+)
 @recording_options
 @click.option(
     "--profile",

@@ -34,6 +34,7 @@ def smooth_walks(
     recordings: tuple[Path, ...],
     output: Path,
     fixes: str | None,
+    truth: Path | None,
     begin: Moment | None,
     end: Moment | None,
     devices: tuple[str, ...],
@@ -62,7 +63,7 @@ def smooth_walks(
     paths = distinct_paths(path for group in found for path in group)
     many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping, devices)
     with_report = not many if report is None else report
-    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report, formats)
+    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report, truth, formats)
     if many:
         _smooth_many(paths, output, request, jobs, quiet)
         return
@@ -83,6 +84,8 @@ def _smooth_many(paths: tuple[Path, ...], output: Path, request: SmoothRequest, 
     """Smooth each recording into a folder of its own, and write the table of all."""
     if request.messages is not None or fix_tables([request.fixes]):
         raise click.UsageError("--messages and --fixes FILE.csv belong to one walk: smooth it alone")
+    if request.truth is not None:
+        raise click.UsageError("--truth belongs to one walk: smooth it alone")
     if request.own.distance_m is not None:
         raise click.UsageError("--distance is the length of one walk: smooth it alone")
     _prepare_folder(output, request)

@@ -18,7 +18,9 @@ from pdr_est.cli.recording_part import WHOLE, RecordingPart
 from pdr_est.cli.walk_list import NamedPath
 from pdr_est.config import Config
 from pdr_est.errors import OutputError
+from pdr_est.evaluate.trajectories.on_recording import with_surveyed_truth
 from pdr_est.io.side_tables.position_fixes import fixes_within
+from pdr_est.io.trajectories import read_trajectory
 from pdr_est.io.writers.checksums import file_digests
 from pdr_est.output.atomic_output import staged_folder
 
@@ -47,6 +49,8 @@ class SmoothRequest:
         Files and folders that are read and never overwritten.
     report : bool
         True to write the page with the pictures, which takes longer than all the rest.
+    truth : Path or None
+        File of true positions, which measure the errors.
     formats : tuple of str or None
         Formats of the track for other programs; None for the default.
     """
@@ -59,6 +63,7 @@ class SmoothRequest:
     overwrite: bool = False
     inputs: tuple[Path, ...] = ()
     report: bool = True
+    truth: Path | None = None
     formats: tuple[str, ...] | None = None
 
 
@@ -144,6 +149,7 @@ def _smooth_into(
     from pdr_est.report.walk.track_formats import require_possible_formats
 
     part, own, config = request.part, request.own, request.config
+    surveyed = None if request.truth is None else read_trajectory(request.truth)  # before the long work
     whole = apply_clock_messages(part.read(paths), request.messages)
     known = load_fixes(request.fixes, whole, paths[0])
     prior = own.prior_of(whole, known)
@@ -151,12 +157,15 @@ def _smooth_into(
     bar.start_part("smoothing")
     with prefix_errors(", ".join(map(str, paths))):
         recorded = without_used_truth(part.cut(whole), request.fixes)
+        if surveyed is not None:  # after the fixes, so that it never becomes one
+            recorded = with_surveyed_truth(recorded, surveyed)
         require_possible_formats(request.formats, recorded)
         known = known if part.is_all else fixes_within(known, recorded)
         walk = pipeline.smooth_recording(recorded, config, known)
         learnt = own.learnt_from(whole, recorded, walk.devices, config, known)
     bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
+    digests |= {} if request.truth is None else {str(request.truth): file_digests(request.truth)[request.truth.name]}
     summary = write_results(
         folder, walk, recorded, config, digests, prior, with_report=request.report, formats=request.formats
     )

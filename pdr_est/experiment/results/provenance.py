@@ -14,6 +14,7 @@ from pdr_est import __version__
 from pdr_est.config import external_files
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.suite import WalkFile
+from pdr_est.experiment.variants.axes import TRACK_FILES
 from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.checksums import file_digests
@@ -40,16 +41,21 @@ def provenance(experiment: Experiment, package: Path = PACKAGE_FOLDER) -> dict[s
     models = [gait_model(variant.config.gait) for variant in experiment.variants]
     model_digests = sorted({model_digest(model) for model in models if model is not None})
     data = data_digests(experiment)
+    tracks = track_digests(experiment)
     own_code = _own_code(experiment)
     packages = package_versions()
     config = experiment.resolved()
     del config["data"]["folder"]  # the same data in another folder are the same data
+    config["variants"] = {
+        name: settings if TRACK_FILES not in settings else TRACK_FILES
+        for name, settings in config["variants"].items()
+    }
     simulated = {walk.name: walk.source for walk in experiment.walks if not isinstance(walk.source, WalkFile)}
     return {
         "experiment": experiment.title,
         "fingerprint": {
             "config": json_digest(config),
-            "data": json_digest(data),
+            "data": json_digest([data, tracks] if tracks else data),
             "code": json_digest([code_digests(package), model_digests, *([own_code] if own_code else [])]),
             "packages": json_digest(packages),
         },
@@ -61,6 +67,7 @@ def provenance(experiment: Experiment, package: Path = PACKAGE_FOLDER) -> dict[s
         "seeds": {name: scenario.seed for name, scenario in simulated.items()},
         "scenarios": {name: json_digest(asdict(scenario)) for name, scenario in simulated.items()},
         "data": data,
+        **({"tracks": tracks} if tracks else {}),
         "gait_models": model_digests,
     }
 
@@ -82,6 +89,19 @@ def data_digests(experiment: Experiment) -> dict[str, str]:
     found = {file for folder in {path.parent for path in paths} for file in folder.iterdir()}
     found |= {file for path in paths if path.is_dir() for file in path.rglob("*")}
     return _digests(experiment.folder, (file for file in found if file.is_file()))
+
+
+def track_digests(experiment: Experiment) -> dict[str, dict[str, str | None]]:
+    """Compute the SHA-256 of each track file of other programs, by variant and walk; None where it is missing."""
+    return {
+        variant.name: {walk.name: _digest_of(variant.track_file(walk.name)) for walk in experiment.walks}
+        for variant in experiment.variants
+        if variant.track_files is not None
+    }
+
+
+def _digest_of(path: Path) -> str | None:
+    return file_digests(path)[path.name] if path.is_file() else None
 
 
 def json_digest(document: Any) -> str:

@@ -10,6 +10,7 @@ from pdr_est.config import Config
 from pdr_est.errors import EstimationError, RecordingError
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.held_out import HeldOutProtocol
+from pdr_est.experiment.scoring.foreign_tracks import foreign_walk, score_foreign
 from pdr_est.experiment.suite import Suite, TrackScores
 from pdr_est.experiment.variants.axes import Variant, same_front_end
 from pdr_est.pipeline import DeviceWalk
@@ -51,9 +52,10 @@ def score_variants(
     RecordingError
         If the recording cannot be used by a front end that all variants share, or cannot be scored.
     """
-    for variant, devices, seconds in _analysed(recording, variants):
+    estimated = [variant for variant in variants if variant.track_files is None]
+    for variant, devices, seconds in _analysed(recording, estimated):
         if isinstance(devices, RecordingError):
-            if all(same_front_end(variant.config, other.config) for other in variants):
+            if all(same_front_end(variant.config, other.config) for other in estimated):
                 raise devices
             walk = AnalysedWalk(recording, (), variant.config)
             yield ScoredVariant(variant, walk, (), (f"{variant.name}: {devices}",))
@@ -67,6 +69,21 @@ def score_variants(
             continue
         reasons = tuple(reason for of_track in scores for reason in missing_reasons(suite, of_track))
         yield ScoredVariant(variant, walk, tuple(scores), reasons)
+    for variant in variants:
+        if variant.track_files is not None:
+            yield _score_file(suite, recording, variant, protocol)
+
+
+def _score_file(suite: Suite, recording: Recording, variant: Variant, protocol: HeldOutProtocol) -> ScoredVariant:
+    """Score the track of another program; a file that is missing or does not fit is a reason in the result."""
+    try:
+        walk = foreign_walk(variant.track_file(protocol.walk), recording, protocol)
+        scores = score_foreign(walk, suite)
+    except RecordingError as error:
+        none = AnalysedWalk(recording, (), variant.config)
+        return ScoredVariant(variant, none, (), (f"{variant.name}: {error}",))
+    found = [f"{variant.name}: {reason}" for of_track in scores for reason in missing_reasons(suite, of_track)]
+    return ScoredVariant(variant, walk, tuple(scores), tuple(dict.fromkeys(found)))
 
 
 def missing_reasons(suite: Suite, scores: TrackScores) -> list[str]:

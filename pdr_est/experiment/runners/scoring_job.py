@@ -64,7 +64,11 @@ def experiment_job(experiment: Experiment) -> ScoringJob:
 def preload(job: ScoringJob) -> None:
     """Import what is imported at first use, so that the first walk's CPU time does not include it."""
     with importable(job.import_folders):
-        if any(variant.config.estimator.make().spec.needs_gtsam for variant in job.variants):
+        if any(
+            variant.config.estimator.make().spec.needs_gtsam
+            for variant in job.variants
+            if variant.track_files is None
+        ):
             from pdr_est.estimators.factor_graph import smoother as factor_graph  # noqa: F401
 
 

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.evaluate.carrying_modes import mode_shares
 from pdr_est.evaluate.consistency import squared_mahalanobis
 from pdr_est.evaluate.position_errors import LEAST_POINTS, point_errors
@@ -14,6 +13,7 @@ from pdr_est.evaluate.time_association import associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.runners.score_variants import ScoredVariant
 from pdr_est.frames import Array
+from pdr_est.pipeline import DeviceWalk
 from pdr_est.types.outcome import TrackOutcome
 from pdr_est.types.track import Track
 
@@ -43,16 +43,16 @@ def track_outcomes(
     analysed = scored.walk
     truth = analysed.recording.truth
     open_track = analysed.tracks[0][1] if analysed.tracks else None
-    names = [device.device for device in analysed.devices]
-    names += [FUSED] if open_track is not None and FUSED in open_track.devices else []
+    names = analysed.track_names
     with_fixes = analysed.fixed_tracks.keys() == set(names)
     for name, scores in zip(names, scored.scores, strict=False):
-        # The person's own track has no device: its steps and modes are those of the first one.
-        device = next((one for one in analysed.devices if one.device == name), analysed.devices[0])
-        lines, steps, findings = _plotted(np.empty((0, 2))), len(device.steps), 0
+        # The person's own track has no device: its steps and modes are those of the first one. A file has none.
+        own = [one for one in analysed.devices if one.device == name] or analysed.devices[:1]
+        device = own[0] if own else None
+        lines, steps, findings = _plotted(np.empty((0, 2))), len(device.steps) if device else None, 0
         if open_track is not None:
             track = analysed.fixed_tracks[name] if with_fixes else open_track.of_device(name)
-            lines, steps = _lines(analysed, name, track, with_fixes), len(track) - 1
+            lines, steps = _lines(analysed, name, track, with_fixes), len(track) - 1 if device else None
             findings = sum(finding.doubtful for finding in track.findings)
         yield TrackOutcome(
             walk=walk,
@@ -63,7 +63,7 @@ def track_outcomes(
             metrics={metric: _finite(scores.values.get(metric)) for metric in metrics},
             steps=steps,
             true_steps=truth.step_count if truth.steps is None else len(truth.steps.time_s),
-            mode_shares={mode.name: share for mode, share in mode_shares(device.steps).items() if share == share},
+            mode_shares=_shares(device),
             with_fixes=with_fixes,
             truth_m=np.empty((0, 2)) if truth.positions is None else _thinned(truth.positions.position_m),
             counts=scores.counts,
@@ -71,6 +71,11 @@ def track_outcomes(
             findings=findings,
             **lines,
         )
+
+
+def _shares(device: DeviceWalk | None) -> dict[str, float]:
+    found = {} if device is None else mode_shares(device.steps)
+    return {mode.name: share for mode, share in found.items() if share == share}
 
 
 def _finite(value: float | None) -> float | None:
@@ -94,6 +99,8 @@ def _lines(walk: AnalysedWalk, name: str, track: Track, with_fixes: bool) -> Lin
         return _plotted(aligned.apply(track.position_m), way_m[1:], error_m[1:])  # the alignment matches the first
     held = ~held_out.given(pairs)
     error_m = point_errors(pairs.track_m, pairs.truth_m)
+    if not np.isfinite(pairs.covariance_m2).all():  # of another program
+        return _plotted(track.position_m, way_m[held], error_m[held])
     difference_m = pairs.track_m - pairs.truth_m
     squared = squared_mahalanobis(difference_m, pairs.covariance_m2, held_out.truth_sigma_m)
     return _plotted(track.position_m, way_m[held], error_m[held], squared[held])

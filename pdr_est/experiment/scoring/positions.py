@@ -3,10 +3,10 @@
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.evaluate.consistency import coverage95, nees_mean
 from pdr_est.evaluate.held_out_fixes import LEAST_POINTS as LEAST_WAYPOINTS
 from pdr_est.evaluate.position_errors import LEAST_POINTS, LEG_METRICS, leg_metrics, open_metrics, point_errors
 from pdr_est.evaluate.time_association import Association, associate
+from pdr_est.evaluate.trajectories.scores import consistency_metrics
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.held_out import HeldOut
 from pdr_est.experiment.scoring.profiles import profile_part
@@ -17,6 +17,8 @@ from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
 
 HELDOUT_METRICS = ("error_heldout_m", "coverage95", "nees_mean")
+
+_NO_COVARIANCE = "the track has no covariance: it was read from a file, and at most moved and turned to fit the fixes"
 
 
 def score_positions(walk: AnalysedWalk) -> list[TrackScores]:
@@ -101,11 +103,7 @@ def _held_out_part(walk: AnalysedWalk, name: str, pairs: Association, held_out: 
         return MetricPart(missing=dict.fromkeys(HELDOUT_METRICS, f"fewer than {LEAST_WAYPOINTS} truth points"))
     track = walk.track_with_fixes(name, held_out.fixes(pairs))
     held = associate(track, pairs.time_s[~given], pairs.truth_m[~given], walk.span_of(name))
-    error_m = held.track_m - held.truth_m
-    return MetricPart(
-        {
-            "error_heldout_m": float(point_errors(held.track_m, held.truth_m).mean()),
-            "coverage95": coverage95(error_m, held.covariance_m2, held_out.truth_sigma_m),
-            "nees_mean": nees_mean(error_m, held.covariance_m2, held_out.truth_sigma_m),
-        }
-    )
+    error_m = float(point_errors(held.track_m, held.truth_m).mean())
+    consistency, reason = consistency_metrics(held, held_out.truth_sigma_m)
+    missing = dict.fromkeys(HELDOUT_METRICS[1:], _NO_COVARIANCE) if reason else {}
+    return MetricPart({"error_heldout_m": error_m, **consistency}, missing=missing)

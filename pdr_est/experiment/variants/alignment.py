@@ -5,14 +5,20 @@ from typing import Any
 
 from pdr_est.config import import_folders
 from pdr_est.estimators import SPECS
-from pdr_est.experiment.variants.axes import Variant
+from pdr_est.experiment.variants.axes import TRACK_FILES, Variant
 from pdr_est.parts import importable
 
 
 def aligned_variants(variants: Iterable[Variant]) -> tuple[str, ...]:
-    """Return the names of the variants whose estimator takes no measurement from position fixes."""
+    """Return the names of the variants whose estimator takes no measurement from fixes, or that are files of tracks.
+
+    Both are moved and turned to fit the fixes.
+    """
     aligned = []
     for variant in variants:
+        if variant.track_files is not None:
+            aligned.append(variant.name)
+            continue
         with importable(import_folders(variant.config)):
             if not variant.config.estimator.make().spec.uses_fixes:
                 aligned.append(variant.name)
@@ -24,8 +30,14 @@ def aligned_in_file(variants: Mapping[str, Any]) -> tuple[str, ...]:
 
     Estimators from outside the package, whose abilities are not known without their code, are left out.
     """
-    names = {name: _estimator_in(settings) for name, settings in variants.items()}
-    return tuple(name for name, estimator in names.items() if estimator in SPECS and not SPECS[estimator].uses_fixes)
+    return tuple(name for name, settings in variants.items() if _is_aligned(settings))
+
+
+def _is_aligned(settings: Any) -> bool:
+    if isinstance(settings, Mapping) and TRACK_FILES in settings:
+        return True
+    estimator = _estimator_in(settings)
+    return estimator in SPECS and not SPECS[estimator].uses_fixes
 
 
 def _estimator_in(settings: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Protocol
 
 from pdr_est.config import Config, EstimatorParams, config_to_dict, config_with
@@ -13,6 +14,8 @@ from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
 
 EVERY = "all"
+TRACK_FILES = "track_files"
+"""Key of a variant, in an experiment file, whose tracks are those of another program."""
 
 
 class Axis(Protocol):
@@ -118,10 +121,19 @@ class Variant:
         Name in the results; in a benchmark the value on the axis of the comparison.
     config : Config
         The settings.
+    track_files : str or None
+        Pattern of the files with the tracks of another program, which are scored in place of an estimator's; None
+        for a variant that is estimated. `track_file` says what stands in it.
     """
 
     name: str
     config: Config
+    track_files: str | None = None
+
+    def track_file(self, walk: str) -> Path:
+        """Return the file with the track of a walk; `{walk}` stands for its name, `{name}` for the end of it."""
+        pattern = self.track_files or ""
+        return Path(pattern.replace("{walk}", walk).replace("{name}", walk.rpartition("/")[2]))
 
     def settings(self) -> dict[str, str]:
         """Return the value on every axis, by name of the axis."""

@@ -10,7 +10,7 @@ from pdr_est.config.loading import config_from_settings
 from pdr_est.config.settings import Settings, nested_by, unfolded
 from pdr_est.errors import ConfigError
 from pdr_est.experiment.config import ExperimentConfig
-from pdr_est.experiment.variants.axes import Variant
+from pdr_est.experiment.variants.axes import TRACK_FILES, Variant
 from pdr_est.params.validation_messages import Location
 from pdr_est.params.yaml_lines import Lines
 from pdr_est.parts import importable
@@ -51,6 +51,10 @@ def _expanded(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Varia
     for name, given in (config.variants or {"": None}).items():
         own = dict(given or {})
         place: Location = ("variants", name)
+        if TRACK_FILES in own:
+            pattern = _track_pattern(own, path, lines.words((*place, TRACK_FILES)))
+            variants[name] = Variant(name, base, pattern)
+            continue
         start = _from_file(own.pop(_FILE_KEY, None), path, (*place, _FILE_KEY), lines, base)
         settings = unfolded(own, str(path), lines, place).over(shared)
         for words, choice in _combinations(config.sweep, path, lines):
@@ -63,6 +67,20 @@ def _expanded(config: ExperimentConfig, path: Path, lines: Lines) -> tuple[Varia
             made = config_from_settings(chosen, f"{path}, variant {full!r}", path, start)
             variants[full] = Variant(full, made)
     return tuple(variants.values())
+
+
+def _track_pattern(own: Mapping[str, Any], path: Path, line: str) -> str:
+    """Return the pattern of the files of another program's tracks, which is relative to the experiment file."""
+    pattern, place = own[TRACK_FILES], f"{path}: {line}{TRACK_FILES}"
+    others = [key for key in own if key != TRACK_FILES]
+    if others:
+        raise ConfigError(f"{place}: the setting {others[0]} does not apply to tracks from files: remove it")
+    if not isinstance(pattern, str) or not any(mark in pattern for mark in ("{walk}", "{name}")):
+        raise ConfigError(
+            f"{place} = {pattern!r}: is no pattern with {{walk}} or {{name}} for the name of the walk: write one "
+            "such as ronin/{walk}.tum"
+        )
+    return str(path.parent.absolute() / pattern)
 
 
 def _from_file(file: Any, path: Path, place: Location, lines: Lines, base: Config) -> Config:

@@ -1,4 +1,6 @@
-"""Read the table of position fixes that a user wrote: its titles in many spellings, with units, and its times.
+"""Read a table of positions that a user wrote: its titles in many spellings, with units, and its times.
+
+Tables of position fixes and of trajectories are read alike; a trajectory has more columns (`io.trajectories`).
 
 Titles are compared without case, blanks, underscores and punctuation. A known unit in brackets or after an
 underscore at the end of a title is used (`Time (ms)`, `east [cm]`, `x_m`). Without one, times are seconds or, by
@@ -16,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
-from pdr_est.frames import Array
+from pdr_est.io.side_tables.table_times import times_in_seconds
 from pdr_est.io.tables.quantities import Quantity, unit_spellings
 from pdr_est.io.tables.recognition import Evidence, motion_evidence
 from pdr_est.io.tables.signals import HEAD_BYTES
-from pdr_est.io.tables.times.dates import parse_dates
 from pdr_est.io.tables.words.columns import ACCURACIES, EASTINGS, LATITUDES, LONGITUDES, NORTHINGS, TIMES
 from pdr_est.io.tables.words.folding import split_words
 from pdr_est.io.tables.words.units import plain_unit
@@ -30,16 +31,13 @@ from pdr_est.io.text.number_table import NumberTable, read_table
 from pdr_est.io.text.table_layout import detect_header
 
 FIRST_LINE = 2
-"""Line of the first fix; line 1 is the header."""
+"""Line of the first position; line 1 is the header."""
 
 MAP_COLUMNS = ("x_m", "y_m")
 """Position in the map frame, m."""
 
 GEODETIC_COLUMNS = ("latitude_deg", "longitude_deg")
 """Position on the Earth, degrees."""
-
-LOCAL_TIME = "local_time_s"
-"""Time by dates without a time zone, s since 1970."""
 
 _HEAD_BYTES = 4096
 _TITLE = re.compile(r"^(?P<stem>.*?)\s*(?:[\[(](?P<bracket>[^\])]*)[\])]|(?:_|\s+in\s+)(?P<suffix>[^\W_]+))?$")
@@ -48,8 +46,10 @@ _TIMES = unit_spellings(Quantity.TIME)
 _ANGLES: Mapping[str, float] = {"deg": 1.0}
 _PLAIN: Mapping[str, float] = {}
 
-# Column -> its units, and the titles that mean it, the likelier ones first.
-_COLUMNS: Mapping[str, tuple[Mapping[str, float], Sequence[str]]] = {
+Columns = Mapping[str, tuple[Mapping[str, float], Sequence[str]]]
+"""Column -> its units, and the titles that mean it, the likelier ones first."""
+
+POSITION_COLUMNS: Columns = {
     "time_s": (_TIMES, ("time", "timestamp", "t", "seconds", *sorted(TIMES))),
     "x_m": (_LENGTHS, ("x", "east", *sorted(EASTINGS))),
     "y_m": (_LENGTHS, ("y", "north", *sorted(NORTHINGS))),
@@ -59,13 +59,27 @@ _COLUMNS: Mapping[str, tuple[Mapping[str, float], Sequence[str]]] = {
         _LENGTHS,
         ("sigma", "std", "stddev", "standarddeviation", "accuracy", "genauigkeit", *sorted(ACCURACIES)),
     ),
+}
+"""Columns of every table of positions."""
+
+_FIX_COLUMNS: Columns = {
+    **POSITION_COLUMNS,
     "robust": (_PLAIN, ("robust",)),
     "source": (_PLAIN, ("source", "provider")),
     "sigma_wander_m": (_LENGTHS, ("sigmawander",)),
     "wander_time_s": (_TIMES, ("wandertime",)),
 }
-# Sizes of Unix time of our days in ms, µs and ns.
-_UNIX_UNITS = ((1e17, 1e19, 1e-9), (1e14, 1e16, 1e-6), (1e11, 1e13, 1e-3))
+
+TRAJECTORY_COLUMNS: Columns = {
+    **POSITION_COLUMNS,
+    "device": (_PLAIN, ("device", "phone")),
+    "cov_xx_m2": (_PLAIN, ("covxxm2",)),
+    "cov_xy_m2": (_PLAIN, ("covxym2",)),
+    "cov_yy_m2": (_PLAIN, ("covyym2",)),
+}
+"""Columns of the table of a trajectory."""
+
+_TEXT_COLUMNS = ("time_s", "source", "device")
 
 
 @dataclass(frozen=True)
@@ -92,18 +106,31 @@ def read_fix_table(path: str | Path) -> NumberTable:
         raise RecordingError(
             f"{source.path}: contains {len(source.members)} files: give the table of the fixes itself"
         )
-    member = source.members[0]
+    table = read_position_table(source, source.members[0], _FIX_COLUMNS)
+    if not len(table):
+        raise RecordingError(f"{table.place}: contains no fix: add a row or leave --fixes out")
+    return table
+
+
+def read_position_table(source: Source, member: str, columns: Columns) -> NumberTable:
+    """Read one file with a table of positions; the result is that of `read_fix_table`, for any columns.
+
+    Raises
+    ------
+    RecordingError
+        For a damaged table, and one without times or positions.
+    """
     data, place = source.read(member), source.place(member)
     dialect = detect_header(data[:_HEAD_BYTES])
     if dialect is None:
         raise RecordingError(f"{place}: no header line such as time_s,x_m,y_m: add one")
-    found = _known_columns(dialect.titles, place)
+    found = _known_columns(dialect.titles, place, columns)
     _require_columns(found, dialect.titles, place)
     if set(MAP_COLUMNS) <= set(found) and motion_evidence(data[:HEAD_BYTES], member_stem(member)) is Evidence.TITLES:
         raise RecordingError(
             f"{place}: a recording of sensors, whose x and y are no positions: give the table of the known positions"
         )
-    texts = [found[name].title for name in ("time_s", "source") if name in found]
+    texts = [found[name].title for name in _TEXT_COLUMNS if name in found]
     table = read_table(
         data,
         place,
@@ -112,20 +139,71 @@ def read_fix_table(path: str | Path) -> NumberTable:
         columns=[one.title for one in found.values()],
         text_columns=texts,
     )
-    if not len(table):
-        raise RecordingError(f"{place}: contains no fix: add a row or leave --fixes out")
-    time_name, time_s = _times(table, found["time_s"], dialect.decimal_comma)
+    return _in_si_units(table, found, dialect.decimal_comma, "line", FIRST_LINE)
+
+
+def position_table_of_cells(
+    cells: Mapping[str, Sequence[Any]], place: str, columns: Columns, row: str
+) -> NumberTable:
+    """Make the table that `read_position_table` would read from values of a file that is no table, such as GeoJSON.
+
+    Parameters
+    ----------
+    cells
+        Title -> value (n,) in each row, None where there is none.
+    place
+        The file, for messages.
+    columns
+        Columns to keep.
+    row
+        Name of a row in messages, which are counted from 1.
+
+    Raises
+    ------
+    RecordingError
+        For text where a number is needed, and values without times or positions.
+    """
+    found = _known_columns(list(cells), place, columns)
+    _require_columns(found, list(cells), place)
+    values: dict[str, NDArray[Any]] = {}
+    for name, one in found.items():
+        given = cells[one.title]
+        if name in _TEXT_COLUMNS:
+            values[one.title] = np.array(["" if cell is None else str(cell) for cell in given])
+            continue
+        numbers = np.empty(len(given))
+        for i, cell in enumerate(given):
+            try:
+                numbers[i] = math.nan if cell is None else float(cell)
+            except (TypeError, ValueError, OverflowError) as error:
+                raise RecordingError(
+                    f"{place}, {row} {i + 1}: {one.title} = {str(cell)[:60]!r} is not a number: correct it"
+                ) from error
+        values[one.title] = numbers
+    return _in_si_units(NumberTable(place, values), found, False, row, 1)
+
+
+def _in_si_units(
+    table: NumberTable, found: Mapping[str, "_Title"], decimal_comma: bool, row: str, first: int
+) -> NumberTable:
+    """Rename the columns that are known and convert them to SI units."""
+    time_name, time_s = times_in_seconds(
+        [str(text).strip() for text in table.texts(found["time_s"].title)],
+        found["time_s"].factor,
+        decimal_comma,
+        lambda i: f"{table.place}, {row} {i + first}, column {found['time_s'].title!r}",
+    )
     columns = {name: _column(table, name, one) for name, one in found.items() if name != "time_s"} | {
         time_name: time_s
     }
     empty = {name: table.empty[one.title] for name, one in found.items() if one.title in table.empty}
-    return NumberTable(place, columns, empty)
+    return NumberTable(table.place, columns, empty)
 
 
-def _known_columns(titles: Sequence[str], place: str) -> dict[str, _Title]:
+def _known_columns(titles: Sequence[str], place: str, columns: Columns) -> dict[str, _Title]:
     """Find the columns that are known: by their own name, else by the first spelling that a title has."""
     found: dict[str, _Title] = {}
-    for name, (units, spellings) in _COLUMNS.items():
+    for name, (units, spellings) in columns.items():
         exact = [_Title(title, 1.0) for title in titles if title.casefold() == name]
         others = [_Title(title, unit) for title, unit in _spelt(titles, units, spellings, place)]
         free = [one for one in (*exact, *others) if one.title not in {other.title for other in found.values()}]
@@ -176,55 +254,6 @@ def _require_columns(found: Mapping[str, _Title], titles: Sequence[str], place: 
 
 def _column(table: NumberTable, name: str, title: _Title) -> NDArray[Any]:
     """Return a column in SI units, (n,)."""
-    if name == "source":
+    if name in _TEXT_COLUMNS:
         return table.texts(title.title)
     return table.numbers(title.title) * (1.0 if title.factor is None else title.factor)
-
-
-def _times(table: NumberTable, title: _Title, decimal_comma: bool) -> tuple[str, Array]:
-    """Convert times to seconds (n,): numbers in the unit of the title or of Unix time, or dates.
-
-    Returns
-    -------
-    name : str
-        `time_s`, or `LOCAL_TIME` for dates without a time zone.
-    time_s : (n,)
-        NaN for an empty cell.
-    """
-    texts = [str(text).strip() for text in table.texts(title.title)]
-    numbers = [_number(text, decimal_comma) for text in texts]
-    if any(number is None for number in numbers):
-        return _date_times(texts, numbers, table.place, title.title)
-    times = np.array(numbers, dtype=np.float64)
-    if title.factor is not None:
-        return "time_s", times * title.factor
-    finite = np.abs(times[np.isfinite(times)])
-    middle = float(np.median(finite)) if len(finite) else 0.0
-    factor = next((unit for low, high, unit in _UNIX_UNITS if low < middle < high), 1.0)
-    return "time_s", times * factor
-
-
-def _number(text: str, decimal_comma: bool) -> float | None:
-    """Return the number that a cell holds, NaN for an empty one; None for other text."""
-    try:
-        return float(text.replace(",", ".") if decimal_comma else text) if text else math.nan
-    except ValueError:
-        return None
-
-
-def _date_times(texts: Sequence[str], numbers: Sequence[float | None], place: str, title: str) -> tuple[str, Array]:
-    """Read dates, all of which state a time zone or none does; see `_times`."""
-    is_text = [number is None for number in numbers]
-    dates = parse_dates(np.array([text if is_date else "" for text, is_date in zip(texts, is_text, strict=True)]))
-    read = dates is not None and dates.has_date
-    for row, text in enumerate(texts):
-        where = f"{place}, line {row + FIRST_LINE}, column {title!r}: {text!r}"
-        if is_text[row] and not (read and dates is not None and dates.known[row]):
-            raise RecordingError(
-                f"{where} is neither a number nor a date such as 2024-06-10T14:03:05Z; correct or remove it"
-            )
-        if text and not is_text[row]:
-            raise RecordingError(f"{where} is a number among dates; write all times in one form")
-    if dates is None:
-        return "time_s", np.array(numbers, dtype=np.float64)
-    return "time_s" if dates.has_zone else LOCAL_TIME, np.where(dates.known, dates.ns / 1e9, math.nan)

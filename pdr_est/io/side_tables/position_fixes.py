@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
-from pdr_est.io.side_tables.fix_table import FIRST_LINE, GEODETIC_COLUMNS, LOCAL_TIME, MAP_COLUMNS, read_fix_table
+from pdr_est.io.side_tables.fix_table import FIRST_LINE, GEODETIC_COLUMNS, MAP_COLUMNS, read_fix_table
+from pdr_est.io.side_tables.table_times import LOCAL_TIME
 from pdr_est.io.text.number_table import NumberTable
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin, Recording

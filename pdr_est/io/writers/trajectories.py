@@ -1,8 +1,9 @@
 """Write tracks as plain tables of poses for programs that compare trajectories.
 
 These formats hold one trajectory a file. Of a track of several devices the first one gets the file; every further
-device is written beside it to `<stem>-<device><suffix>`. Every writer raises OutputError when a file cannot be
-written.
+device is written beside it to `<stem>-<device><suffix>`. Where the walker stands, a line more says when the next step
+begins: other programs take the walker to move evenly between two lines. Every writer raises OutputError when a file
+cannot be written.
 """
 
 import re
@@ -14,7 +15,7 @@ import numpy as np
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.output.atomic_output import text_output
 from pdr_est.types.ground_truth import TruePositions
-from pdr_est.types.track import Track
+from pdr_est.types.track import Track, with_standing_poses
 
 ISO21134_COLUMNS = ("timestamp", "x", "y", "yaw", "floor")
 
@@ -147,5 +148,5 @@ def _write_devices(track: Track, path: str | Path, lines: Callable[[Track], Iter
         files[file] = device
     for file, device in files.items():
         with text_output(file) as stream:
-            stream.writelines(lines(track.of_device(device)))
+            stream.writelines(lines(with_standing_poses(track.of_device(device))))
     return tuple(files)

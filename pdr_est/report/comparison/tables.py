@@ -173,20 +173,21 @@ def pairs_table(found: Iterable[PairedComparison], note: str = "", aligned: Coll
 def steps_table(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> ReportTable:
     """Tabulate detected and true steps of each variant by the mode that was recognised for most of the walk."""
     rows = []
-    for mode in sorted({outcome.mode for outcome in outcomes}):
+    detected = [(one, one.steps) for one in outcomes if one.steps is not None]
+    for mode in sorted({outcome.mode for outcome, _ in detected}):
         for name in variants:
-            chosen = [one for one in outcomes if one.mode == mode and one.variant == name]
+            chosen = [(one, steps) for one, steps in detected if one.mode == mode and one.variant == name]
             if not chosen:
                 continue
-            counted = [one for one in chosen if one.true_steps]
-            true = sum(one.true_steps or 0 for one in counted)
-            off = [abs(one.steps - one.true_steps) / one.true_steps for one in counted if one.true_steps]
+            counted = [(steps, one.true_steps) for one, steps in chosen if one.true_steps]
+            true = sum(true_steps for _, true_steps in counted)
+            off = [abs(steps - true_steps) / true_steps for steps, true_steps in counted]
             rows.append(
                 (
                     TableCell(mode),
                     TableCell(name),
                     TableCell(str(len(chosen))),
-                    TableCell(format_number(sum(one.steps for one in chosen), 0)),
+                    TableCell(format_number(sum(steps for _, steps in chosen), 0)),
                     TableCell(format_number(true, 0) if counted else NO_VALUE),
                     TableCell(format_percent(sum(off) / len(off)) if off else NO_VALUE),
                 )

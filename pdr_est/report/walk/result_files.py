@@ -3,11 +3,13 @@
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from pdr_est.calibration.profile import Profile
 from pdr_est.config import Config, config_to_dict
 from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_errors
 from pdr_est.evaluate.time_association import associate
+from pdr_est.evaluate.trajectories.scores import consistency_metrics
 from pdr_est.front_end.gait import gait_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.steps_table import write_steps_csv
@@ -18,6 +20,7 @@ from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
 from pdr_est.report.walk.earth_placement import place_on_earth
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.report.walk.track_formats import WrittenTrack, write_track_formats
+from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
 
 
@@ -110,23 +113,40 @@ def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary:
     write_text(path, render_report(walk, recording, summary))
 
 
-def truth_errors(walk: SmoothedWalk, recording: Recording) -> dict[str, float] | None:
-    """Compute errors of a one-device track against the recording's true positions, as the benchmark defines them.
+def truth_errors(walk: SmoothedWalk, recording: Recording) -> dict[str, Any] | None:
+    """Compute errors of the track against the recording's true positions, as the benchmark defines them.
 
-    `error_map_m`, the mean error without any alignment, is added only where fixes tie the track to the map.
+    `error_map_m`, the mean error without any alignment, and the metrics of the covariances are added only where fixes
+    tie the track to the map.
 
     Returns
     -------
     dict or None
-        Metrics by name; None for several devices and for recordings without at least two true positions.
+        Metrics by name, of several devices and the person below the name of each; None without at least two true
+        positions within the recording.
     """
     truth = recording.truth.positions
-    if truth is None or len(walk.devices) != 1:
+    if truth is None:
         return None
-    pairs = associate(walk.track, truth.time_s, truth.position_m, walk.devices[0].span_s)
+    found = {name: _device_errors(walk, name, truth) for name in walk.track.devices}
+    known = {name: errors for name, errors in found.items() if errors}
+    if not known:
+        return None
+    return known if len(found) > 1 else next(iter(known.values()))
+
+
+def _device_errors(walk: SmoothedWalk, name: str, truth: TruePositions) -> dict[str, float]:
+    """Compute the errors of one device, or of the person, whose span is that of all devices."""
+    own = [device for device in walk.devices if device.device == name] or walk.devices
+    if not own:
+        return {}
+    begins_s, ends_s = zip(*(device.span_s for device in own), strict=True)
+    track = walk.track.of_device(name)
+    pairs = associate(track, truth.time_s, truth.position_m, (min(begins_s), max(ends_s)))
     if len(pairs) < LEAST_POINTS:
-        return None
-    found = open_metrics(walk.track, pairs, truth.source)
+        return {}
+    found = open_metrics(track, pairs, truth.source)
     if walk.fixes:
         found["error_map_m"] = float(point_errors(pairs.track_m, pairs.truth_m).mean())
+        found |= consistency_metrics(pairs, truth.sigma_m)[0]
     return found

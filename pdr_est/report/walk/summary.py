@@ -53,7 +53,7 @@ def summarise(
     versions: Mapping[str, str | None],
     *,
     start: StartPose | None = None,
-    errors: Mapping[str, float] | None = None,
+    errors: Mapping[str, Any] | None = None,
     profile: Profile | None = None,
     gait_model_sha256: str | None = None,
 ) -> Json:
