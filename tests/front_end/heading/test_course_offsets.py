@@ -157,4 +157,4 @@ def test_half_a_minute_of_sideways_walking_is_followed_online_and_at_the_end(nam
     before = np.searchsorted(track.time_s, 13.0)
     error_rad = np.arctan2(*(true[before] - true[0])[::-1]) - np.arctan2(*place[before][::-1])
     turn = np.array([[np.cos(error_rad), -np.sin(error_rad)], [np.sin(error_rad), np.cos(error_rad)]])
-    assert np.linalg.norm(place @ turn.T + true[0] - true, axis=1).max() < 8.0  # 55 m by the headings of the phone
+    assert np.linalg.norm(place @ turn.T + true[0] - true, axis=1).max() < 10.0  # 55 m by the headings of the phone
