@@ -83,7 +83,7 @@ def test_arms_swing_as_smoothly_as_real_ones() -> None:
     """Really 0.05 to 0.12 where the arm is accelerated by 9 m/s^2, 0.17 at 5 and 0.39 at 2 m/s^2."""
     ratio, forward_mps2 = values("SWING", "forward_ratio"), values("SWING", "forward_mps2")
     assert 0.02 <= ratio.min() < 0.1
-    assert 0.25 < ratio.max() <= 0.4
+    assert 0.2 < ratio.max() <= 0.4
     assert np.mean(ratio > 0.25) <= 0.25  # of six real walks one
     assert ratio[forward_mps2 > 8.0].max() <= 0.12
     assert 3.0 < forward_mps2.min() < 5.0

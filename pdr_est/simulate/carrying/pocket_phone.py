@@ -14,8 +14,8 @@ from pdr_est.simulate.walker.walking_body import BodyMotion, Side
 
 # Harmonics of the thigh's flexion over the stride from heel strike to heel strike: size over the first one, phase
 # in rad. They have the shape of the hip's angle: flexed by 23 degrees at the heel strike, furthest back (16) at 0.53
-# of the stride, furthest forward (26) at 0.84; so it moves back for longer than it moves forward. Higher harmonics and
-# the jolts below were fitted to real pockets, as `simulate.people.person` says.
+# of the stride, furthest forward (26) at 0.84; so it moves back for longer than it moves forward. Higher harmonics
+# and the jolts below were fitted to real pockets, as `simulate.people.person` says.
 _THIGH = ((1.0, 0.267), (0.28, 2.57), (0.13, -1.29))
 # Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle; and their
 # motion forward over that downward.

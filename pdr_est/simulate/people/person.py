@@ -153,7 +153,7 @@ def _swing(size: float, briskness: float, rng: np.random.Generator) -> SwingingP
         elbow_rad=amplitude_rad * rng.uniform(0.4, 0.8),
         bend_rad=rng.uniform(0.25, 0.55),
         lag=rng.uniform(0.1, 0.18),
-        second=rng.uniform(0.0, 0.03),
+        second=rng.uniform(0.0, 0.02),
         third=0.012 + 0.07 * amplitude_rad**2,
         twist_rad=rng.uniform(0.05, 0.2),
         spread_rad=rng.uniform(0.02, 0.07),

@@ -17,13 +17,9 @@ from pdr_est.types.steps import CarryingMode
 MMPDR_PEOPLE, MMPDR_CHANGES = 17, 106  # MMPDR section IV-B
 
 _SENSORS = SensorParams(rate_hz=50.0)  # section III-A
-_CLEAR_CORRIDOR_M = ((0.0, 0.0), (45.0, 0.0), (45.0, 6.0), (69.0, 6.0), (69.0, 0.0), (84.3, 0.0))
-_CLEAR_OF_CORNERS_M = {
-    1: (),
-    2: (22.0,),
-    3: (22.0, 62.0),
-    4: (12.0, 31.0, 62.0),
-}  # of changes, by the number of modes
+_CLEAR_CORRIDOR_M = ((0.0, 0.0), (45.0, 0.0), (45.0, 5.0), (73.0, 5.0), (73.0, 0.0), (86.3, 0.0))
+# where the changes are, by the number of modes
+_CLEAR_OF_CORNERS_M = {1: (), 2: (22.0,), 3: (22.0, 63.0), 4: (12.0, 31.0, 63.0)}
 _SINGLE_MODE_FROM_M = 3.0
 _PAPER_HABIT = 0.022
 _MODES = (CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET)
@@ -80,12 +76,12 @@ def mmpdr_published(*modes: CarryingMode, seed: int = 0) -> Scenario:
 
     It differs from `mmpdr_indoor` in what the paper's method takes for granted:
 
-    * Every walk begins with the phone held in front. In a walk of one other mode the phone is put there 3 m behind the
-      start, fast enough for the paper's state machine.
+    * Every walk begins with the phone held in front. In a walk of one other mode it is put there 3 m behind the
+      start.
     * Changes of the mode are at least 10 m away from every corner. The corridor of 96.33 m therefore has other legs
       behind the first 45 m; they are ours in both walks, since the paper gives no lengths.
     * The walker's steps are as near to eq. 9 as those of the paper's people. The distances and counts of the nine
-      walks in its Tables VIII and IX are too long or too short by factors of 0.958 to 1.030, standard deviation 0.022.
+      walks in its Tables VIII and IX give factors of 0.958 to 1.031, standard deviation 0.022.
 
     Parameters
     ----------
@@ -112,8 +108,6 @@ def mmpdr_published(*modes: CarryingMode, seed: int = 0) -> Scenario:
     places_m = (_SINGLE_MODE_FROM_M,) if single else _CLEAR_OF_CORNERS_M[len(order)]
     starts_s = person.gait.lead_in_s + np.array(places_m) / mean_speed_mps(person.gait)
     device = carried_device(person, carried, starts_s.tolist(), rng, _SENSORS)
-    if single:
-        device = replace(device, changes=(replace(device.changes[0], duration_s=0.8),))
     path = _scaled(PathParams(vertices_m=_CLEAR_CORRIDOR_M), 96.33)
     return Scenario(name=name, path=path, gait=person.gait, body=person.body, devices=(device,), seed=seed)
 
