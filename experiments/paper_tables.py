@@ -65,6 +65,7 @@ def paper_tables() -> dict[str, str]:
         "mmpdr tables 8 to 10, headings": mmpdr_headings,
         "mmpdr table 10": mmpdr_table_10,
         "mmpdr offsets": mmpdr_offsets,
+        "mmpdr causes": mmpdr_causes,
         "psp table 1": psp_table_1,
         "psp figure 3": psp_figure_3,
         "robust dr figure 4": robust_dr_figure_4,
@@ -169,6 +170,29 @@ def mmpdr_table_10() -> str:
         "error over sigma, rms",
     )
     return markdown_table(titles, [(*row, *["–"] * (len(titles) - len(row))) for row in rows])
+
+
+def mmpdr_causes() -> str:
+    """Tabulate the numbers of MMPDR's chain with parts replaced by the truth."""
+    rows = result("mmpdr_causes")["rows"]
+    titles = ("steps", "to the end", "+ eq. 8", "position", "lengths", "headings")
+    headings = (
+        "walks, %",
+        "steps",
+        "none behind the last heel strike",
+        "and transitions true",
+        "position",
+        "lengths true",
+        "headings true",
+        "walkers replaced",
+    )
+    return markdown_table(
+        headings,
+        [
+            (words, *(f"{row[title]:.2f}" for title in titles), f"{row['replaced_walkers']}")
+            for words, row in rows.items()
+        ],
+    )
 
 
 def mmpdr_offsets() -> str:

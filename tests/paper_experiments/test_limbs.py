@@ -108,7 +108,7 @@ def test_mmpdr_counts_the_steps_of_swinging_arms_as_of_real_ones() -> None:
 def test_thighs_swing_as_far_as_real_ones() -> None:
     """The mean cosine of the tilt is 0.952 to 0.993 in MotionSense (median 0.964), 0.989 to 0.992 in OxIOD."""
     kept = values("POCKET", "kept_turn")
-    assert 0.94 <= kept.min() <= 0.962
+    assert 0.935 <= kept.min() <= 0.962
     assert 0.98 <= kept.max() <= 0.995
     assert 0.958 <= np.median(kept) <= 0.977
 

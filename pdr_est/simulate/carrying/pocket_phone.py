@@ -19,8 +19,8 @@ from pdr_est.simulate.walker.walking_body import BodyMotion, Side
 _THIGH = ((1.0, 0.267), (0.28, 2.57), (0.13, -1.29))
 # Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle; and their
 # motion forward over that downward.
-_GIVE, _SHOCK = (0.6, 1.0, 0.23), (0.18, 1.4, 0.17)
-_GIVE_FORWARD, _SHOCK_FORWARD = 1.35, 0.18
+_GIVE, _SHOCK = (0.6, 1.03, 0.84), (0.17, 1.2, 1.03)
+_GIVE_FORWARD, _SHOCK_FORWARD = 1.5, 0.47
 _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
 
@@ -55,13 +55,13 @@ class PocketPhone:
     """Phase by which the sideways swing leads the flexion, rad. A thigh that circles rotates the phone about its long
     axis more and more.
     """
-    give_m: NonNegative = 0.042
+    give_m: NonNegative = 0.045
     """Size of the slow downward and forward motion as this leg takes the load, m."""
-    give_rad: NonNegative = 0.064
+    give_rad: NonNegative = 0.03
     """Size of the slow rotation about the thigh's axes as this leg takes the load, rad."""
-    shock_m: NonNegative = 0.005
+    shock_m: NonNegative = 0.007
     """Size of the fast downward displacement after the heel strike of this leg, m."""
-    shock_rad: NonNegative = 0.07
+    shock_rad: NonNegative = 0.06
     """Size of the fast rotation about the phone's own axes after the heel strike of this leg, rad."""
     other_leg: NonNegative = 0.08
     """Ratio of the loading and heel-strike motion caused by the other leg to that of this leg."""
