@@ -2,12 +2,14 @@
 
     python experiments/mmpdr_causes.py [--seeds 0 1 2 …]
 
-The walks and the chain of `mmpdr_walks.py`. Steps counted, in percent of those taken: as they are; without
-those later than `AFTER_S` behind the last heel strike, while trunk and arm come to rest; then with the steps
-that were taken in the transitions in place of those that eq. 8 gives. Position, 100 less the mean error in
-percent of the walk: as it is; with the length of each step that brings the walker to where he is at its time;
-and with the direction of the path in the middle of each step. Last, the walkers who were replaced because the
-state machine mistook their mode.
+The walks and the chain of `mmpdr_walks.py`; of rows with several modes also the walks in which the state
+machine recognises each of them, as it did in all of the paper's. Steps counted, in percent of those taken: as
+they are; without those later than `AFTER_S` behind the last heel strike, while trunk and arm come to rest;
+then with the steps that were taken in the transitions in place of those that eq. 8 gives. Position, 100 less
+the mean error in percent of the walk: as it is; with the length of each step that brings the walker to where
+he is at its time; and with the direction of the path in the middle of each step. Median and 95th percentile
+of the heading error over all steps, deg. Last, the number of walks, and of walkers who were replaced because
+the state machine mistook their single mode.
 
 Writes experiments/results/mmpdr_causes.json and .txt.
 """
@@ -17,32 +19,44 @@ from dataclasses import dataclass
 
 import numpy as np
 from mmpdr_table10 import reckoned
-from mmpdr_walks import PAPER_CHAIN, Row, replaced, tabulate
+from mmpdr_walks import PAPER_CHAIN, Row, recognised, replaced, tabulate
 
-from pdr_est.frames import Array
+from pdr_est.frames import Array, wrap_angle
 from pdr_est.simulate import SimulatedWalk
 from pdr_est.types.steps import CarryingMode
 
 AFTER_S = 0.2
 TITLES = ("steps", "to the end", "+ eq. 8", "position", "lengths", "headings")
+HEADINGS = ("median, deg", "95 %, deg")
 
 
 @dataclass(frozen=True)
 class Causes:
-    """Steps and positions of a walk, percent, as they are and with parts replaced, (6,), and walkers replaced."""
+    """Of a walk: steps and positions as they are and with parts replaced, percent, (6,), and heading errors, deg."""
 
     numbers: Array
+    heading_deg: Array
+
+
+@dataclass(frozen=True)
+class RowCauses:
+    """Causes of the walks of a row, those whose modes are recognised if there are several, and walkers replaced."""
+
+    walks: tuple[Causes, ...]
+    recognised: tuple[Causes, ...] | None
     replaced: int
 
 
-def measured(row: Row, seeds: Sequence[int]) -> Causes:
-    """Average over the walkers of all seeds."""
+def measured(row: Row, seeds: Sequence[int]) -> RowCauses:
+    """Measure the walks of all seeds."""
     walks = row.walks(seeds)
-    return Causes(np.mean([numbers_of(walk) for walk in walks], axis=0), replaced(walks))
+    causes = tuple(numbers_of(walk) for walk in walks)
+    right = tuple(one for one, walk in zip(causes, walks, strict=True) if recognised(walk))
+    return RowCauses(causes, right if len(row.modes) > 1 else None, replaced(walks))
 
 
-def numbers_of(walk: SimulatedWalk) -> Array:
-    """Compute the six numbers of one walk."""
+def numbers_of(walk: SimulatedWalk) -> Causes:
+    """Compute the numbers of one walk."""
     device, track = (smoothed := reckoned(walk, PAPER_CHAIN)).devices[0], smoothed.track
     end_s = np.array([step.event.time_s for step in device.steps])
     compensated = np.array([step.event.compensated for step in device.steps])
@@ -57,7 +71,8 @@ def numbers_of(walk: SimulatedWalk) -> Array:
     tracks = ((length_m, heading_rad), (true_m, heading_rad), (length_m, true_rad))
     times_s = np.concatenate([track.time_s[:1], end_s])
     positions = [position_percent(walk, times_s, *one) for one in tracks]
-    return np.array([*(100.0 * count / walk.step_count for count in counts), *positions])
+    numbers = np.array([*(100.0 * count / walk.step_count for count in counts), *positions])
+    return Causes(numbers, np.degrees(np.abs(wrap_angle(heading_rad - true_rad))))
 
 
 def mode_at(blocks: Sequence[object], time_s: Array) -> Array:
@@ -82,27 +97,46 @@ def position_percent(walk: SimulatedWalk, time_s: Array, length_m: Array, headin
     return 100.0 * (1.0 - float(error_m.mean()) / walk.distance_m)
 
 
-def as_document(table: Mapping[str, Causes], seeds: Sequence[int]) -> dict[str, object]:
+def lines_of(table: Mapping[str, RowCauses]) -> dict[str, tuple[list[float], int, int]]:
+    """Average each row, and the recognised walks of it: numbers and heading errors, walks, and walkers replaced."""
+    groups = {}
+    for words, row in table.items():
+        groups[words] = (averaged(row.walks), len(row.walks), row.replaced)
+        if row.recognised:
+            groups[f"{words}; recognised"] = (averaged(row.recognised), len(row.recognised), 0)
+    return groups
+
+
+def averaged(causes: Sequence[Causes]) -> list[float]:
+    """Average numbers over walks; take median and 95th percentile of the heading error over all steps."""
+    heading_deg = np.concatenate([one.heading_deg for one in causes])
+    numbers = np.mean([one.numbers for one in causes], axis=0)
+    return [*numbers.tolist(), float(np.median(heading_deg)), float(np.percentile(heading_deg, 95))]
+
+
+def as_document(table: Mapping[str, RowCauses], seeds: Sequence[int]) -> dict[str, object]:
     """Make the document with the numbers of the text."""
     rows = {
         words: {
-            **dict(zip(TITLES, np.round(causes.numbers, 2).tolist(), strict=True)),
-            "replaced_walkers": causes.replaced,
+            **dict(zip((*TITLES, *HEADINGS), np.round(numbers, 2).tolist(), strict=True)),
+            "walks": walks,
+            "replaced_walkers": others,
         }
-        for words, causes in table.items()
+        for words, (numbers, walks, others) in lines_of(table).items()
     }
     return {"seeds": list(seeds), "rows": rows}
 
 
-def as_text(table: Mapping[str, Causes], seeds: Sequence[int]) -> str:
+def as_text(table: Mapping[str, RowCauses], seeds: Sequence[int]) -> str:
     """Format a line for each row."""
+    titles = "".join(f"{title:>12}" for title in (*TITLES, *HEADINGS, "walks", "replaced"))
     lines = [
         f"MMPDR's chain with parts replaced by the truth, percent; {len(seeds)} walkers a row",
         "",
-        f"{'':24}" + "".join(f"{title:>12}" for title in TITLES) + f"{'lost':>8}",
+        f"{'':36}{titles}",
     ]
-    for words, causes in table.items():
-        lines.append(f"{words:24}" + "".join(f"{value:12.2f}" for value in causes.numbers) + f"{causes.replaced:8d}")
+    for words, (numbers, walks, others) in lines_of(table).items():
+        lines.append(f"{words:36}" + "".join(f"{value:12.2f}" for value in numbers) + f"{walks:12d}{others:12d}")
     return "\n".join(lines) + "\n"
 
 

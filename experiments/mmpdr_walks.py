@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from recorded import command_line, write
 
 from pdr_est.config import Config, load_config
+from pdr_est.frames import Array
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import Scenario, SimulatedWalk, mmpdr_indoor, mmpdr_published, park_348, simulate_walk
@@ -23,6 +25,7 @@ from pdr_est.types.steps import CarryingMode
 HOLDING, SWING, POCKET = CarryingMode.HOLDING, CarryingMode.SWING, CarryingMode.POCKET
 WALKERS = 12
 LABELLED = 0.9
+SETTLED_S = 2.5  # after a change, in which the state machine watches for 2 s
 NEXT_WALKER = 100  # from the seed of a walker to that of the one who replaces him
 SETTINGS = Path(__file__).resolve().parents[1] / "configs" / "settings" / "mmpdr.yaml"
 # The chain of the paper. Its phone's attitude comes from the phone's gyroscope and accelerometer; ours does, too, by
@@ -60,10 +63,27 @@ class Row:
 
 def labelled(walk: SimulatedWalk, mode: CarryingMode, config: Config = PAPER_CHAIN) -> float:
     """Return the share of a walk, from its first step to its last, to which a chain gives a mode."""
-    blocks = analyse_recording(walk.recording, config)[0].level
-    time_s, modes = (np.concatenate([getattr(block, name) for block in blocks]) for name in ("time_s", "mode"))
+    time_s, modes = labels_of(walk, config)
     inside = (time_s >= walk.steps.start_s[0]) & (time_s <= walk.steps.time_s[-1])
     return float(np.mean(modes[inside] == mode))
+
+
+def recognised(walk: SimulatedWalk, config: Config = PAPER_CHAIN) -> bool:
+    """Return whether a chain gives each stay of the phone its mode, from `SETTLED_S` after a change to the next."""
+    time_s, modes = labels_of(walk, config)
+    stays = walk.devices[0].modes
+    edges_s = np.append(stays.start_s, walk.steps.time_s[-1])
+    for mode, begin_s, end_s in zip(stays.mode.tolist(), edges_s[:-1], edges_s[1:], strict=True):
+        inside = (time_s >= begin_s + SETTLED_S) & (time_s < end_s)
+        if mode != CarryingMode.TRANS and inside.any() and np.mean(modes[inside] == mode) <= LABELLED:
+            return False
+    return True
+
+
+def labels_of(walk: SimulatedWalk, config: Config) -> tuple[Array, NDArray[np.int8]]:
+    """Return the times (n,), s, and the mode labels (n,) of the samples of a walk."""
+    blocks = analyse_recording(walk.recording, config)[0].level
+    return np.concatenate([block.time_s for block in blocks]), np.concatenate([block.mode for block in blocks])
 
 
 def replaced(walks: Sequence[SimulatedWalk]) -> int:

@@ -175,7 +175,7 @@ def mmpdr_table_10() -> str:
 def mmpdr_causes() -> str:
     """Tabulate the numbers of MMPDR's chain with parts replaced by the truth."""
     rows = result("mmpdr_causes")["rows"]
-    titles = ("steps", "to the end", "+ eq. 8", "position", "lengths", "headings")
+    titles = ("steps", "to the end", "+ eq. 8", "position", "lengths", "headings", "median, deg", "95 %, deg")
     headings = (
         "walks, %",
         "steps",
@@ -184,14 +184,13 @@ def mmpdr_causes() -> str:
         "position",
         "lengths true",
         "headings true",
-        "walkers replaced",
+        "heading error, deg",
+        "95th percentile",
+        "walks",
     )
     return markdown_table(
         headings,
-        [
-            (words, *(f"{row[title]:.2f}" for title in titles), f"{row['replaced_walkers']}")
-            for words, row in rows.items()
-        ],
+        [(words, *(f"{row[title]:.2f}" for title in titles), f"{row['walks']}") for words, row in rows.items()],
     )
 
 

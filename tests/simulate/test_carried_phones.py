@@ -32,7 +32,7 @@ PHONES = [
 def test_sensors_agree_with_the_motion(phone: SwingingPhone | PocketPhone) -> None:
     motion = finely_walked(DeviceParams(carry=phone))
     assert orientation_error_rad(motion).max() < 3e-5  # trapezium error of a shock at 500 Hz
-    np.testing.assert_allclose(twice_integrated(motion), motion.position_m, atol=4e-3)
+    np.testing.assert_allclose(twice_integrated(motion), motion.position_m, atol=6e-3)
 
 
 @pytest.mark.parametrize("phone", PHONES)
