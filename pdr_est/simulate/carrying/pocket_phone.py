@@ -63,7 +63,7 @@ class PocketPhone:
     """Size of the fast downward displacement after the heel strike of this leg, m."""
     shock_rad: NonNegative = 0.06
     """Size of the fast rotation about the phone's own axes after the heel strike of this leg, rad."""
-    other_leg: NonNegative = 0.08
+    other_leg: NonNegative = 0.3
     """Ratio of the loading and heel-strike motion caused by the other leg to that of this leg."""
     uneven: Annotated[NonNegative, Le(0.2)] = 0.12
     """Relative root mean square of the variation of the leg's motion from stride to stride."""
