@@ -1,16 +1,18 @@
 """Headings and positions of MMPDR (Tian et al. 2016), Tables VIII, IX and X and the park of Fig. 15, simulated.
 
-    python experiments/mmpdr_table10.py [--seeds 0 1 2 3 4 5]
+    python experiments/mmpdr_table10.py [--seeds 0 1 2 …]
 
-The walks of `mmpdr_walks.py`, reckoned from the known start by these chains. By dead reckoning: `paper` (modes, steps
-and headings of MMPDR), `mmpdr` (its headings on modes and steps of the defaults) and `step-yaw` (the defaults with
-the plain yaw of each step, for the park: what looks for straight paths must not bend curved ones). `default` is the
-default as it is, which smooths the whole walk, and `filtered` is the extended Kalman filter, as online.
+The walks of `mmpdr_walks.py`, reckoned from the known start by these chains. By dead reckoning: `paper` (modes,
+steps, lengths and headings of MMPDR, as in configs/settings/mmpdr.yaml), `mmpdr` (its headings on modes, steps and
+lengths of the defaults) and `step-yaw` (the defaults with the plain yaw of each step, for the park: what looks for
+straight paths must not bend curved ones). `default` is the default as it is, which smooths the whole walk, and
+`filtered` is the extended Kalman filter, as online.
 
 The heading error of a step is the heading of the track less the direction of the path in the middle of the step; the
 position error is taken at every metre of the path, when the walker passes it. Of a row: the median over walkers of
-the largest and of the median heading error of a walk, and the mean position error; of Table X: median, mean and 95th
-percentile over all steps of all walks, and the mean position error in percent of the walk off 100.
+the largest and of the median heading error of a walk, the mean position error, and the mean travelled distance in
+percent of the walk; of Table X: median, mean and 95th percentile over all steps of all walks, the travelled distance
+in percent, and the mean position error in percent of the walk off 100.
 
 For `default` and `filtered` the last column of Table X is the root mean square of the heading error over its standard
 deviation.
@@ -22,26 +24,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from mmpdr_walks import POCKET, ROWS, SWING, Row, tabulate
+from mmpdr_walks import PAPER_CHAIN, POCKET, ROWS, SWING, Row, tabulate
 
 from pdr_est.config import Config, EstimatorParams, StartParams
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.front_end.heading import HeadingParams
 from pdr_est.front_end.heading.mmpdr_aoc import MmpdrHeading, MmpdrHeadingParams, TrainedOffset
-from pdr_est.front_end.mode import ModeParams
-from pdr_est.front_end.steps import StepsParams
 from pdr_est.pipeline import SmoothedWalk, smooth_recording
 from pdr_est.simulate import SimulatedWalk
 from pdr_est.types.steps import CarryingMode, Step
 
 START = Config(estimator=EstimatorParams(name="dead-reckoning"))
 CHAINS: dict[str, Config] = {
-    "paper": replace(
-        START,
-        mode=ModeParams(method="mmpdr"),
-        steps=StepsParams(detector="mmpdr"),
-        heading=HeadingParams(method="mmpdr"),
-    ),
+    "paper": PAPER_CHAIN,
     "mmpdr": replace(START, heading=HeadingParams(method="mmpdr")),
     "default": Config(),
     "step-yaw": replace(START, heading=HeadingParams(method="step-yaw")),
@@ -50,22 +45,24 @@ CHAINS: dict[str, Config] = {
 HONEST = ("default", "filtered")  # chains whose standard deviations are reported
 
 
-# Of the paper, for each of its walks of a row: largest and median heading error, deg, and mean position error, m.
-PAPER: Mapping[str, tuple[tuple[float, float, float], ...]] = {
-    "indoor HOLDING": ((14.23, 1.96, 0.75),),
-    "indoor SWING": ((14.8, 4.63, 1.33),),
-    "indoor POCKET": ((10.58, 3.16, 0.71),),
+# Of the paper, for each of its walks of a row: largest and median heading error, deg, mean position error, m, and
+# travelled distance, m, of 96.33 m.
+PAPER: Mapping[str, tuple[tuple[float, float, float, float], ...]] = {
+    "indoor HOLDING": ((14.23, 1.96, 0.75, 96.37),),
+    "indoor SWING": ((14.8, 4.63, 1.33, 94.76),),
+    "indoor POCKET": ((10.58, 3.16, 0.71, 93.31),),
     "indoor, all modes": (
-        (17.0, 3.41, 1.34),
-        (15.98, 5.0, 2.0),
-        (13.52, 3.58, 0.83),
-        (11.22, 2.97, 1.01),
-        (9.91, 1.94, 0.3),
+        (17.0, 3.41, 1.34, 96.70),
+        (15.98, 5.0, 2.0, 95.07),
+        (13.52, 3.58, 0.83, 91.43),
+        (11.22, 2.97, 1.01, 92.86),
+        (9.91, 1.94, 0.3, 96.03),
     ),
-    "indoor HOLDING, POCKET": ((6.43, 0.94, 0.84),),
+    "indoor HOLDING, POCKET": ((6.43, 0.94, 0.84, 93.33),),
 }
+PAPER_M = 96.33
 SUMMARY = {"single mode": ROWS[:3], "multi-mode": ROWS[3:5]}
-PAPER_X = {"single mode": (2.84, 3.88, 10.94, 99.03), "multi-mode": (2.88, 4.24, 12.06, 98.91)}
+PAPER_X = {"single mode": (2.84, 3.88, 10.94, 98.43, 99.03), "multi-mode": (2.88, 4.24, 12.06, 97.83, 98.91)}
 PAPER_OFFSETS_DEG = {
     "SWING": (-1.43, -2.87, 2.98, -4.70, -5.96),
     "POCKET": (39.67, -6.88, 43.45, -56.46, 111.78, -62.48),
@@ -75,13 +72,14 @@ PAPER_OFFSETS_DEG = {
 @dataclass(frozen=True)
 class Errors:
     """Errors of one walk with one chain: of headings (steps,), also over their standard deviations, of positions at
-    each metre, and trained offsets.
+    each metre, the travelled distance over the true one, and trained offsets.
     """
 
     heading_deg: Array
     over_sigma: Array
     position_m: Array
     length_m: float
+    travelled: float
     offsets: tuple[TrainedOffset, ...]
 
 
@@ -108,6 +106,7 @@ def errors_of(walk: SimulatedWalk, config: Config) -> Errors:
         over_sigma=off / np.maximum(track.sigma_heading_rad[1:], 1e-3),
         position_m=np.linalg.norm(at_mark - walk.position_at(passed_s), axis=1),
         length_m=walk.distance_m,
+        travelled=float(np.linalg.norm(np.diff(track.position_m, axis=0), axis=1).sum() / walk.distance_m),
         offsets=trained(steps) if config.heading.method == "mmpdr" else (),
     )
 
@@ -133,25 +132,26 @@ def trained(steps: Sequence[Step]) -> tuple[TrainedOffset, ...]:
     return heading.trained_offsets
 
 
-def of_row(walks: Sequence[Errors]) -> tuple[float, float, float, float]:
+def of_row(walks: Sequence[Errors]) -> tuple[float, float, float, float, float]:
     """Summarise a row.
 
     The results are the medians over walks of the largest and of the median heading error, deg, the 95th percentile
-    over all steps, and the mean position error, m.
+    over all steps, the mean position error, m, and the mean travelled distance, percent.
     """
     return (
         float(np.median([walk.heading_deg.max() for walk in walks])),
         float(np.median([np.median(walk.heading_deg) for walk in walks])),
         float(np.percentile(np.concatenate([walk.heading_deg for walk in walks]), 95)),
         float(np.mean([walk.position_m.mean() for walk in walks])),
+        100.0 * float(np.mean([walk.travelled for walk in walks])),
     )
 
 
-def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float, float]:
+def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float, float, float]:
     """Compute the numbers of Table X.
 
-    They are median, mean and 95th percentile of the heading error, deg, the position accuracy, percent, and the root
-    mean square of the heading error over its standard deviation.
+    They are median, mean and 95th percentile of the heading error, deg, the travelled distance, percent, the position
+    accuracy, percent, and the root mean square of the heading error over its standard deviation.
     """
     heading_deg = np.concatenate([walk.heading_deg for walk in walks])
     accuracy = 100.0 * (1.0 - np.mean([walk.position_m.mean() / walk.length_m for walk in walks]))
@@ -159,6 +159,7 @@ def of_table_10(walks: Sequence[Errors]) -> tuple[float, float, float, float, fl
         float(np.median(heading_deg)),
         float(heading_deg.mean()),
         float(np.percentile(heading_deg, 95)),
+        100.0 * float(np.mean([walk.travelled for walk in walks])),
         float(accuracy),
         float(np.sqrt(np.mean(np.concatenate([walk.over_sigma for walk in walks]) ** 2))),
     )
@@ -171,7 +172,7 @@ def offsets_deg(walks: Sequence[Errors], mode: CarryingMode) -> list[float]:
 
 def as_document(table: Table, seeds: Sequence[int]) -> dict[str, object]:
     """Make the document with the numbers of the text."""
-    words = ("heading_max_deg", "heading_median_deg", "heading_p95_deg", "position_m")
+    words = ("heading_max_deg", "heading_median_deg", "heading_p95_deg", "position_m", "travelled_percent")
     return {
         "seeds": list(seeds),
         "rows": {
@@ -182,7 +183,7 @@ def as_document(table: Table, seeds: Sequence[int]) -> dict[str, object]:
         },
         "heading_over_sigma": {
             words: {
-                name: round(of_table_10([walk for row in rows for walk in table[row.words][name]])[4], 3)
+                name: round(of_table_10([walk for row in rows for walk in table[row.words][name]])[5], 3)
                 for name in HONEST
             }
             for words, rows in SUMMARY.items()
@@ -198,25 +199,27 @@ def as_document(table: Table, seeds: Sequence[int]) -> dict[str, object]:
 
 def as_text(table: Table, seeds: Sequence[int]) -> str:
     """Format a line for each kind of walk and chain after the numbers of the paper, then Table X and the offsets."""
-    head = f"{'max':>8}{'median':>8}{'95 %':>8}{'pos. m':>8}"
+    head = f"{'max':>8}{'median':>8}{'95 %':>8}{'pos. m':>8}{'dist. %':>8}"
     lines = [f"MMPDR Tables VIII to X, heading errors in degrees; {len(seeds)} walkers a row", "", f"{'':34}{head}"]
     for row in ROWS:
         if row.words not in table:
             continue
         if row.words in PAPER:
-            largest, median, position_m = np.median(PAPER[row.words], axis=0)
-            lines.append(f"{row.words:24}{'paper':10}{largest:8.2f}{median:8.2f}{'':8}{position_m:8.2f}")
+            largest, median, position_m, _ = np.median(PAPER[row.words], axis=0)
+            travelled = 100.0 * np.mean([walk[3] for walk in PAPER[row.words]]) / PAPER_M
+            numbers = f"{largest:8.2f}{median:8.2f}{'':8}{position_m:8.2f}{travelled:8.2f}"
+            lines.append(f"{row.words:24}{'paper':10}{numbers}")
         for name, walks in table[row.words].items():
             label = row.words if name == "paper" and row.words not in PAPER else ""
             lines.append(f"{label:24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in of_row(walks)))
-    lines += ["", f"{'Table X':34}{'median':>8}{'mean':>8}{'95 %':>8}{'pos. %':>8}{'/ sigma':>8}"]
+    lines += ["", f"{'Table X':34}{'median':>8}{'mean':>8}{'95 %':>8}{'dist. %':>8}{'pos. %':>8}{'/ sigma':>8}"]
     for words, rows in SUMMARY.items():
         if not all(row.words in table for row in rows):
             continue
         lines.append(f"{words:24}{'paper':10}" + "".join(f"{value:8.2f}" for value in PAPER_X[words]))
         for name in CHAINS:
             walks = [walk for row in rows for walk in table[row.words][name]]
-            values = of_table_10(walks)[: 5 if name in HONEST else 4]
+            values = of_table_10(walks)[: 6 if name in HONEST else 5]
             lines.append(f"{'':24}{f'= {name}':10}" + "".join(f"{value:8.2f}" for value in values))
     lines += ["", "Trained offsets, deg, walk after walk, chain mmpdr, indoor, all modes"]
     for mode in (SWING, POCKET):

@@ -17,7 +17,7 @@ from pdr_est.simulate.carrying.mode_changes import ModeChange
 from pdr_est.simulate.carrying.pocket_phone import PocketPhone
 from pdr_est.simulate.carrying.swinging_phone import SwingingPhone
 from pdr_est.simulate.people.person import SimulatedPerson, sample_person
-from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, mmpdr_mode_walks, park_348
+from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, mmpdr_mode_walks, mmpdr_published, park_348
 from pdr_est.simulate.presets.named_scenarios import PRESETS, preset
 from pdr_est.simulate.presets.psp import (
     PSP_GYROSCOPE_BIAS_RADPS,
@@ -88,6 +88,7 @@ __all__ = [
     "WalkingPath",
     "mmpdr_indoor",
     "mmpdr_mode_walks",
+    "mmpdr_published",
     "park_348",
     "preset",
     "psp_path",

@@ -13,11 +13,14 @@ from pdr_est.simulate.motion.random_signals import AMPLITUDE_HZ, WANDER_HZ, Band
 from pdr_est.simulate.walker.walking_body import BodyMotion, Side
 
 # Harmonics of the thigh's flexion over the stride from heel strike to heel strike: size over the first one, phase
-# in rad. They follow the usual shape of the hip's angle: 20 degrees flexed at the heel strike, furthest back (11) at
-# 0.54 of the stride, furthest forward (22) at 0.88; so it moves back for longer than it moves forward.
-_THIGH = ((1.0, 0.267), (0.2, 2.537), (0.08, -1.557))
-# Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle.
-_GIVE, _SHOCK = (0.5, 1.3, -np.pi / 2.0), (0.25, 2.0, 0.0)
+# in rad. They have the shape of the hip's angle: flexed by 23 degrees at the heel strike, furthest back (16) at 0.53
+# of the stride, furthest forward (26) at 0.84; so it moves back for longer than it moves forward. Higher harmonics
+# and the jolts below were fitted to real pockets, as `simulate.people.person` says.
+_THIGH = ((1.0, 0.267), (0.28, 2.57), (0.13, -1.29))
+# Jolts behind a heel strike: how long, share of a stride, how many swings, and their phase in the middle; and their
+# motion forward over that downward.
+_GIVE, _SHOCK = (0.6, 1.03, 0.84), (0.17, 1.2, 1.03)
+_GIVE_FORWARD, _SHOCK_FORWARD = 1.5, 0.47
 _SITTING_RAD = 1.4  # flexion of the thigh of somebody who sits
 _MIDDLE = 0.44  # middle of the flexion over the first harmonic
 
@@ -41,7 +44,7 @@ class PocketPhone:
     """Rotation in the plane of the screen, rad: 0 with the upper edge up, pi upside down."""
     tip_rad: float = 0.0
     """Inclination of the upper edge against the vertical, rad, away from the screen."""
-    amplitude_rad: Annotated[NonNegative, Le(0.8)] = 0.37
+    amplitude_rad: Annotated[NonNegative, Le(0.8)] = 0.33
     """Amplitude of the first harmonic of the thigh's flexion, rad; nearly half of the range of motion."""
     twist_rad: NonNegative = 0.22
     """Amplitude of the thigh's rotation about the vertical once a stride, rad."""
@@ -53,13 +56,13 @@ class PocketPhone:
     """Phase by which the sideways swing leads the flexion, rad. A thigh that circles rotates the phone about its long
     axis more and more.
     """
-    give_m: NonNegative = 0.024
-    """Size of the slow downward motion as this leg takes the load, m."""
-    give_rad: NonNegative = 0.06
+    give_m: NonNegative = 0.045
+    """Size of the slow downward and forward motion as this leg takes the load, m."""
+    give_rad: NonNegative = 0.03
     """Size of the slow rotation about the thigh's axes as this leg takes the load, rad."""
-    shock_m: NonNegative = 0.005
-    """Size of the fast displacement after the heel strike of this leg, m."""
-    shock_rad: NonNegative = 0.04
+    shock_m: NonNegative = 0.007
+    """Size of the fast downward displacement after the heel strike of this leg, m."""
+    shock_rad: NonNegative = 0.06
     """Size of the fast rotation about the phone's own axes after the heel strike of this leg, rad."""
     other_leg: NonNegative = 0.3
     """Ratio of the loading and heel-strike motion caused by the other leg to that of this leg."""
@@ -73,9 +76,9 @@ class PocketPhone:
     """Height of the hip joints above the trunk's centre, m."""
     wander_rad: NonNegative = 0.015
     """Root mean square of slow attitude changes in the pocket about each axis, rad."""
-    unrest_radps: NonNegative = 0.35
+    unrest_radps: NonNegative = 0.14
     """Root mean square of the irregular rotation rate about each axis while walking, rad/s."""
-    unrest_mps2: NonNegative = 0.8
+    unrest_mps2: NonNegative = 0.2
     """Root mean square of the irregular acceleration along each axis while walking, m/s^2."""
 
     def pose(self, body: BodyMotion, rng: np.random.Generator) -> DevicePose:
@@ -89,11 +92,11 @@ class PocketPhone:
         thigh, rattle = self._thigh(body, swell, give * self.give_rad), shock * self.shock_rad
         ahead, out, above = self.from_hip_m
         forward, left, up = thigh.point_offset((ahead, outward * out, above))
-        jolt = give * self.give_m + shock * self.shock_m
+        sunk, shaken = give * self.give_m, shock * self.shock_m
         return DevicePose(
-            forward=forward + jolt + jerk[0],
+            forward=forward + sunk * _GIVE_FORWARD + shaken * _SHOCK_FORWARD + jerk[0],
             left=left + outward * self.hip_left_m + jerk[1],
-            up=up - jolt + self.hip_up_m + jerk[2],
+            up=up - sunk - shaken + self.hip_up_m + jerk[2],
             limb=LimbPose(thigh.twist + rattle + wander[0] + turn[0], thigh.flexion, thigh.abduction),
             mount=self.mount(),
             pitch=rattle + wander[1] + turn[1],

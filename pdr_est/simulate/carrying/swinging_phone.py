@@ -35,14 +35,16 @@ class SwingingPhone:
     """Amplitude of the upper arm's swing about the shoulder, rad."""
     forward_rad: float = 0.0
     """Mean angle of the upper arm ahead of hanging, rad."""
-    elbow_rad: Annotated[NonNegative, Le(1.0)] = 0.18
+    elbow_rad: Annotated[NonNegative, Le(1.0)] = 0.13
     """Amplitude of the elbow's flexion, rad; the elbow bends as the arm comes forward."""
-    bend_rad: NonNegative = 0.25
+    bend_rad: NonNegative = 0.4
     """Mean flexion of the elbow, rad."""
-    lag: float = 0.05
+    lag: float = 0.14
     """Delay of the arm's foremost position after the heel strike of the opposite leg, as a fraction of a stride."""
-    second: NonNegative = 0.08
+    second: NonNegative = 0.015
     """Ratio of the second harmonic of the swing to the first; it makes the forward and backward swing differ."""
+    third: float = 0.015
+    """Ratio of the third harmonic of the swing to the first; it makes the turns at both ends quicker."""
     twist_rad: NonNegative = 0.12
     """Amplitude of the forearm's rotation about the vertical, rad."""
     spread_rad: NonNegative = 0.04
@@ -94,7 +96,7 @@ class SwingingPhone:
         """Compute the rhythm of the arm: near 1 foremost, near -1 hindmost, 0 when standing."""
         across: Side = "left" if self.hand == "right" else "right"
         angle = (body.stride_of(across) - self.lag) * (2.0 * np.pi)
-        return body.activity * (angle.cos() + (angle * 2.0).cos() * self.second)
+        return body.activity * (angle.cos() + (angle * 2.0).cos() * self.second + (angle * 3.0).cos() * self.third)
 
     def _arm(self, body: BodyMotion, beat: DifferentiableSignal, outward: float) -> tuple[LimbPose, LimbPose]:
         """Compute the attitudes of upper arm and forearm."""
