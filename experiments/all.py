@@ -84,6 +84,7 @@ TASKS: tuple[Task, ...] = (
     simulated("psp_table1", 12.0),
     simulated("psp_figure3", 1.0, ".png", reads=("results/psp_table1.json",)),
     simulated("robust_dr_figure4", 50.0, ".png"),
+    simulated("mmpdr_causes", 5.0),
     simulated("turned_walkers", 30.0),
     recorded("passengers", ("walks",), 3.0),
     recorded("uptime_table2", ("motionsense", "sisfall"), 5.0),
@@ -138,6 +139,7 @@ NOT_RUN = {
     "all",
     "regeneration",
     "recorded",  # parts of the scripts
+    "limb_statistics",
     "mmpdr_walks",
     "benchmark_tables",  # a task for each suite
     "mmpdr_figures",  # with mmpdr_table10

@@ -17,9 +17,9 @@ start from the known pose, know height and gender, and are tied with the paper's
 The chains with a compass run a second time on trials whose compasses are disturbed in opposite senses, as the paper's
 phones seem to have been; `robust_dr_trials` says how these errors are drawn.
 
-The clocks are found from the walk. Figures 5 to 8 are those of the trials with the greatest and the median reduction
-by the closed form, with the chain "pointing". The clock's error is that of the right phone, whose clock is then taken
-as it is.
+The clocks are given: the paper's phones exchanged messages for them. Figures 5 to 8 are those of the trials with the
+greatest and the median reduction by the closed form, with the chain "pointing". The clock's error is that of the right
+phone, whose clock is then taken as it is.
 
 --trials N adds N further trials with other seeds.
 
@@ -36,7 +36,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from recorded import RESULTS, command_line, write
 
-from pdr_est.clock_sync import ClockMethod
+from pdr_est.clock_sync import ClockMethod, GivenClock
 from pdr_est.config import Config, DevicesParams, StartParams
 from pdr_est.estimators import EstimatorName
 from pdr_est.estimators.common.tethers import TetherParams
@@ -144,15 +144,27 @@ def measured(scenarios: Sequence[Scenario], chains: Sequence[Chain] = tuple(CHAI
     return table
 
 
-def settings(walk: SimulatedWalk, chain: Chain, clock: ClockMethod = "walk") -> Config:
+def settings(walk: SimulatedWalk, chain: Chain, clock: ClockMethod = "given") -> Config:
     """Make all settings except for the estimator; `clock` is that of the section `devices`."""
     x_m, y_m = walk.position_at(np.zeros(1))[0].tolist()
     gait = walk.scenario.gait
+    clocks = (
+        GivenClock(
+            device=device.name,
+            offset_s=device.sensors.clock_offset_s,
+            skew_ppm=1e6 * device.sensors.clock_skew,
+        )
+        for device in walk.scenario.devices
+    )
     common = Config(
         heading=HeadingParams(method=CHAINS[chain]),
         walker=WalkerParams(height_m=gait.height_m, gender=gait.gender),
         start=StartParams(x_m=x_m, y_m=y_m, heading_rad=float(walk.heading_at(np.zeros(1))[0])),
-        devices=DevicesParams(clock=clock, tether=TetherParams(max_distance_m=REACH_M)),
+        devices=DevicesParams(
+            clock=clock,
+            clocks=tuple(clocks) if clock == "given" else (),
+            tether=TetherParams(max_distance_m=REACH_M),
+        ),
     )
     if chain not in PUBLISHED:
         return common

@@ -74,7 +74,7 @@ class BodyParams:
     steps follow sooner. The hip moves through 60 degrees in running and 40 in walking (Novacheck 1998), but phones in
     16 pockets of MotionSense tilt no further in jogging than this gives, and turn up and down once a stride by less.
     """
-    stair_activity: tuple[Positive, Positive] = (1.35, 0.9)
+    stair_activity: tuple[Positive, Positive] = (1.2, 0.9)
     """The same ratio on stairs, upwards and downwards, from the tilts of the phones in 4 pockets of MotionSense; the
     hip bends far in climbing and little in descending (Riener et al. 2002).
     """
