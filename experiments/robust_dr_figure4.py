@@ -18,8 +18,8 @@ The chains with a compass run a second time on trials whose compasses are distur
 phones seem to have been; `robust_dr_trials` says how these errors are drawn.
 
 The clocks are given: the paper's phones exchanged messages for them. Figures 5 to 8 are those of the trials with the
-greatest and the median reduction by the closed form, with the chain "pointing". The clock's error is that of the right
-phone, whose clock is then taken as it is.
+greatest and the median reduction by the closed form, with the chain "pointing". The clock's error is that of the
+right phone, whose clock is then taken as it is.
 
 --trials N adds N further trials with other seeds.
 

@@ -23,7 +23,7 @@ from pdr_est.estimators.factor_graph.tether_factors import add_rows
 from pdr_est.estimators.factor_graph.wandering_errors import WalkFactors, WanderingFixes
 from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
-from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough, unsettled
+from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough, may_end, unsettled
 from pdr_est.estimators.pose_chains.tether_constraints import LinearTethers, TetherConstraints
 from pdr_est.frames import Array
 
@@ -187,7 +187,9 @@ def minimised(
         if found is None:  # no decrease beyond rounding
             return values
         (values, here), active = found, step.active
-    raise unsettled(variables.poses, step.predicted_decrease)
+    if not may_end(variables.poses, step.predicted_decrease, tolerance):
+        raise unsettled(variables.poses, step.predicted_decrease)
+    return values
 
 
 GraphStep = NewtonStep[gtsam.VectorValues]

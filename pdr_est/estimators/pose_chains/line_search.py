@@ -11,6 +11,7 @@ MAX_STEPS = 200
 MAX_HALVINGS = 20
 """Number of halvings of a step after which no decrease beyond rounding is to be had along it."""
 
+_LEAST_CHANGE = 0.05  # of a pose, in standard deviations
 _ARMIJO = 1e-4  # share of the decrease that the slope predicts
 
 
@@ -27,6 +28,15 @@ def decreases_enough(there: float, here: float, share: float, predicted_decrease
         Decrease of the error that the whole step would give if the problem were linear.
     """
     return there <= here - 2.0 * _ARMIJO * share * predicted_decrease
+
+
+def may_end(poses: int, predicted_decrease: float, tolerance: float) -> bool:
+    """Tell whether the method may end after the largest number of steps.
+
+    It may where the next step would change the poses by less than a twentieth of their standard deviation (root mean
+    square), and in rounds that are not the last one, whose result is only where the next round begins.
+    """
+    return tolerance > EXACTLY or predicted_decrease < 0.5 * _LEAST_CHANGE**2 * poses
 
 
 def unsettled(poses: int, predicted_decrease: float) -> EstimationError:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.pose_chains.active_sets import NewtonStep, step_with_tethers
 from pdr_est.estimators.pose_chains.chained_retraction import ChainedRetraction
-from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough, unsettled
+from pdr_est.estimators.pose_chains.line_search import MAX_HALVINGS, MAX_STEPS, decreases_enough, may_end, unsettled
 from pdr_est.estimators.pose_chains.linear_rows import LinearRows
 from pdr_est.estimators.pose_chains.normal_equations import Elimination
 from pdr_est.estimators.pose_chains.pose_chains import cost_of, linearised_rows
@@ -84,7 +84,9 @@ def minimised_poses(problem: ChainProblem, pose: Array, tolerance: float) -> Arr
         if found is None:  # no decrease beyond rounding
             return pose
         (pose, here), active = found, step.active
-    raise unsettled(len(pose), step.predicted_decrease)
+    if not may_end(len(pose), step.predicted_decrease, tolerance):
+        raise unsettled(len(pose), step.predicted_decrease)
+    return pose
 
 
 def _step(problem: ChainProblem, pose: Array, active: NDArray[np.bool_] | None) -> NewtonStep[Array]:
