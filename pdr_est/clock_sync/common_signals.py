@@ -5,6 +5,7 @@ feel each heel strike, though the leg that strikes feels it more.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ class CommonSignals:
     step_phasor: NDArray[np.complex128]
     turn_rate_radps: Array | None
 
-    @property
+    @cached_property
     def time_s(self) -> Array:
         """Compute the times (n,) of the samples, s on the clock of the device."""
         grid: Array = self.start_s + np.arange(len(self.log_intensity)) / RATE_HZ

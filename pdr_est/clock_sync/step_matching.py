@@ -8,6 +8,7 @@ in the turn rate as well.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,7 +98,7 @@ def _correlations(
     there = np.interp(time_s, two.time_s, b, left=0.0, right=0.0)
     values = a[rows] - a[rows].mean()
     windows = np.lib.stride_tricks.sliding_window_view(there, len(rows))
-    centred_size = np.sqrt(len(rows) * np.maximum(np.var(windows, axis=1), 1e-24))
+    centred_size = np.sqrt(len(rows) * np.maximum(_window_variances(np.asarray(there), len(rows)), 1e-24))
     return np.asarray((windows @ np.conj(values)).real / (centred_size * max(float(np.linalg.norm(values)), 1e-12)))
 
 
@@ -107,8 +108,21 @@ def _intensity_difference_variance(
     """Compute the variance of the log intensity difference at lags of -reach to reach samples, (2 reach + 1,)."""
     time_s = one.start_s + np.arange(rows[0] - reach, rows[-1] + reach + 1) / RATE_HZ + shift_s
     there = np.interp(time_s, two.time_s, two.log_intensity)
-    windows = np.lib.stride_tricks.sliding_window_view(there, len(rows))
-    return np.array([np.var(window - one.log_intensity[rows]) for window in windows])
+    here = one.log_intensity[rows] - one.log_intensity[rows].mean()
+    covariance = np.lib.stride_tricks.sliding_window_view(there, len(rows)) @ here / len(rows)
+    return np.asarray(_window_variances(there, len(rows)) + float(np.var(here)) - 2.0 * covariance)
+
+
+def _window_variances(values: NDArray[Any], size: int) -> Array:
+    """Compute the variance of every window of so many real or complex values, by running sums."""
+    centred = values - values.mean()
+
+    def window_means(of: NDArray[Any]) -> NDArray[Any]:
+        sums = np.concatenate([np.zeros(1, dtype=of.dtype), np.cumsum(of)])
+        return np.asarray((sums[size:] - sums[:-size]) / size)
+
+    squares = window_means(np.abs(centred) ** 2)
+    return np.asarray(np.maximum(squares - np.abs(window_means(centred)) ** 2, 0.0))
 
 
 def _without_alternation(correlations: Array, step: int) -> Array:
