@@ -2,10 +2,12 @@
 
 import argparse
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
+
+import numpy as np
 
 from pdr_est.output.atomic_output import write_text
 from pdr_est.output.file_lock import locked
@@ -58,3 +60,19 @@ def write_table(mark: str, table: str, page: Path = README) -> None:
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Format a table as Markdown."""
     return "\n".join(f"| {' | '.join(row)} |" for row in (headings, ["---"] * len(headings), *rows))
+
+
+def table_beside_real(
+    kinds: Mapping[str, Mapping[str, Sequence[Any]]], measures: Mapping[str, Callable[[Any], float]], what: str
+) -> str:
+    """Tabulate medians over real and over simulated walks of each kind, with the 10th and 90th percentile."""
+    lines = [f"{'median (10th to 90th percentile)':46}{'real':>24}{'simulated':>24}"]
+    for kind, walks in kinds.items():
+        lines.append(f"{kind}: {len(walks['real'])} real, {len(walks['simulated'])} simulated {what}")
+        for words, measure in measures.items():
+            cells = []
+            for source in ("real", "simulated"):
+                low, middle, high = np.percentile([measure(walk) for walk in walks[source]], [10, 50, 90])
+                cells.append(f"{middle:8.2f} ({low:.2f} to {high:.2f})")
+            lines.append(f"  {words:44}" + "".join(f"{cell:>24}" for cell in cells))
+    return "\n".join(lines) + "\n"

@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from limb_statistics import arm_harmonics, kept_turn, swing_axes
 from PIL import Image
-from recorded import RESULTS, command_line
+from recorded import RESULTS, command_line, table_beside_real
 from scipy.signal import welch
 
 from pdr_est import read
@@ -247,16 +247,7 @@ def table(kinds: dict[str, dict[str, list[Walk]]]) -> str:
         "gravity on y, share": lambda walk: abs(walk.up[1]),
         "gravity on z, share": lambda walk: abs(walk.up[2]),
     }
-    lines = [f"{'median (10th to 90th percentile)':46}{'real':>24}{'simulated':>24}"]
-    for mode, walks in kinds.items():
-        lines.append(f"{mode}: {len(walks['real'])} real, {len(walks['simulated'])} simulated walks")
-        for words, measure in measures.items():
-            cells = []
-            for kind in ("real", "simulated"):
-                low, middle, high = np.percentile([measure(walk) for walk in walks[kind]], [10, 50, 90])
-                cells.append(f"{middle:8.2f} ({low:.2f} to {high:.2f})")
-            lines.append(f"  {words:44}" + "".join(f"{cell:>24}" for cell in cells))
-    return "\n".join(lines) + "\n"
+    return table_beside_real(kinds, measures, "walks")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
-from recorded import RESULTS, command_line
+from recorded import RESULTS, command_line, table_beside_real
 from simulated_and_real import COLOURS, RATE_HZ, longest_walking, sampled, spectrum
 
 from pdr_est import read
@@ -170,16 +170,7 @@ MEASURES: Mapping[str, Callable[[Gait], float]] = {
 
 def as_text(kinds: Mapping[str, Mapping[str, Sequence[Gait]]]) -> str:
     """Tabulate medians over the people of each gait, with the 10th and 90th percentile."""
-    lines = [f"{'median (10th to 90th percentile)':46}{'real':>24}{'simulated':>24}"]
-    for gait, walks in kinds.items():
-        lines.append(f"{gait}: {len(walks['real'])} real, {len(walks['simulated'])} simulated people")
-        for words, measure in MEASURES.items():
-            cells = []
-            for kind in ("real", "simulated"):
-                low, middle, high = np.percentile([measure(walk) for walk in walks[kind]], [10, 50, 90])
-                cells.append(f"{middle:8.2f} ({low:.2f} to {high:.2f})")
-            lines.append(f"  {words:44}" + "".join(f"{cell:>24}" for cell in cells))
-    return "\n".join(lines) + "\n"
+    return table_beside_real(kinds, MEASURES, "people")
 
 
 def draw(axes: Array, gait: str, kinds: Mapping[str, Sequence[Gait]]) -> None:
