@@ -61,7 +61,9 @@ clock = st.integers(1, 30).flatmap(
 @st.composite
 def signals(draw: st.DrawFn, width: int) -> Signal:
     time_s = draw(clock)
-    return Signal(time_s, draw(hnp.arrays(np.float64, (len(time_s), width), elements=finite)))
+    values = draw(hnp.arrays(np.float64, (len(time_s), width), elements=finite))
+    values[~values.any(axis=1)] = 1.0  # zeros on all axes are no measurement of a field or a force
+    return Signal(time_s, values)
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -82,6 +84,16 @@ def test_what_is_written_is_read_bit_by_bit(tmp_path: Path, data: st.DataObject)
             continue
         assert back.time_s.tobytes() == signal.time_s.tobytes()
         assert np.array_equal(back.values, signal.values)
+
+
+def test_zeros_beside_empty_cells_are_measured(tmp_path: Path) -> None:
+    """Rows without a sample of the other sensor have empty cells, so that rows of zeros are what was measured."""
+    rate = Signal(np.arange(60) / 50.0, np.repeat([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]], [4, 56], axis=0))
+    force = Signal(np.arange(40) / 50.0 + 0.005, np.full((40, 3), 5.7))
+    path = tmp_path / "walk.csv"
+    write_plain_csv(Recording("walk", "test", (DeviceRecording(specific_force=force, rotation_rate=rate),)), path)
+    back = plain_csv.read_source(Source.open(path)).devices[0]
+    assert_holds(back.rotation_rate, rate.time_s, rate.values)
 
 
 def test_sensors_of_different_rates_share_rows_only_at_equal_times(tmp_path: Path, walk: Walk) -> None:

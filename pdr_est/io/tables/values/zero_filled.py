@@ -22,7 +22,7 @@ def without_zero_fill(loose: LooseTable, mapping: TableMapping) -> LooseTable:
     """Take the zeros of a sensor as empty cells where each row has the sample of one sensor and zeros for the others.
 
     Two sensors never measure exactly 0 on all axes in turn. Where one row has the samples of several sensors, a zero
-    is a measured value.
+    is a measured value; so it is in a table that mostly has empty cells where a sensor has no sample.
 
     Parameters
     ----------
@@ -46,6 +46,9 @@ def without_zero_fill(loose: LooseTable, mapping: TableMapping) -> LooseTable:
     if all(_has_values_at_once(loose.table, titles) for titles in vectors):
         return loose
     filled = [_is_zero(loose.table, titles) for titles in vectors]
+    n_empty = sum(int(np.isnan(loose.table.stack(titles)).all(axis=1).sum()) for titles in vectors)
+    if 2 * n_empty > sum(int(zero.sum()) for zero in filled):
+        return loose
     n_measured = np.sum([~zero for zero in filled], axis=0)
     alone = [float((~zero & (n_measured == 1)).mean()) for zero in filled]
     if (n_measured > 1).mean() > _MOST_TOGETHER or sum(share > _FEWEST_SHARE for share in alone) < 2:
