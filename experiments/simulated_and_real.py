@@ -31,8 +31,8 @@ from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.steps import StepsParams
 from pdr_est.pipeline import analyse_recording
 from pdr_est.simulate import DeviceParams, PathParams, Scenario, sample_person, simulate_walk
-from pdr_est.types.recording import Recording, Signal
-from pdr_est.types.sensors import ImuBlock
+from pdr_est.types.recording import DeviceRecording, Recording, Signal
+from pdr_est.types.sensors import ImuBlock, LevelBlock
 
 RATE_HZ = 100.0
 PEOPLE = 16
@@ -112,18 +112,24 @@ def simulated_walks(mode: str) -> list[Walk]:
     return walks
 
 
-def steady_walk(name: str, recording: Recording, mode: str) -> Walk | None:
-    """Return the longest segment of walking of a recording without its ends; None below 10 s."""
-    device = recording.devices[0]
-    if device.specific_force is None or device.rotation_rate is None:
-        return None
+def longest_steady_part(device: DeviceRecording) -> tuple[ImuBlock, LevelBlock, slice] | None:
+    """Return the samples of a device, the same levelled, and the part of steady walking; None below 10 s of it."""
     force, rate = device.specific_force, device.rotation_rate
+    if force is None or rate is None:
+        return None
     time_s = np.arange(max(force.time_s[0], rate.time_s[0]), min(force.time_s[-1], rate.time_s[-1]), 1.0 / RATE_HZ)
     block = ImuBlock(0, 0, time_s, sampled(force, time_s), sampled(rate, time_s))
     level = VqfAttitude(RATE_HZ, AttitudeParams()).push(block)[0]
     part = longest_walking(block.specific_force_mps2)
-    if part.stop - part.start < 10.0 * RATE_HZ:
+    return None if part.stop - part.start < 10.0 * RATE_HZ else (block, level, part)
+
+
+def steady_walk(name: str, recording: Recording, mode: str) -> Walk | None:
+    """Return the longest segment of walking of a recording without its ends; None below 10 s."""
+    found = longest_steady_part(recording.devices[0])
+    if found is None:
         return None
+    block, level, part = found
     up = level.up[part]
     mean_up = up.mean(axis=0) / np.linalg.norm(up.mean(axis=0))
     vertical, rotation = level.vertical_mps2[part], block.rotation_rate_radps[part]

@@ -19,11 +19,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
 from recorded import RESULTS, command_line, table_beside_real
-from simulated_and_real import COLOURS, RATE_HZ, longest_walking, sampled, spectrum
+from simulated_and_real import COLOURS, RATE_HZ, longest_steady_part, spectrum
 
 from pdr_est import read
 from pdr_est.frames import Array
-from pdr_est.front_end.attitude import AttitudeParams, VqfAttitude
 from pdr_est.simulate import (
     DeviceParams,
     GaitStretch,
@@ -36,7 +35,6 @@ from pdr_est.simulate import (
     simulate_walk,
 )
 from pdr_est.types.recording import DeviceRecording
-from pdr_est.types.sensors import ImuBlock
 
 PEOPLE = 12
 SHOWN_S = 4.0
@@ -129,15 +127,10 @@ def steady_part(device: DeviceRecording, cadence_hz: tuple[float, float]) -> Gai
 
     The cadence is looked for between the given steps a second.
     """
-    force, rate = device.specific_force, device.rotation_rate
-    if force is None or rate is None:
+    found = longest_steady_part(device)
+    if found is None:
         return None
-    time_s = np.arange(max(force.time_s[0], rate.time_s[0]), min(force.time_s[-1], rate.time_s[-1]), 1.0 / RATE_HZ)
-    block = ImuBlock(0, 0, time_s, sampled(force, time_s), sampled(rate, time_s))
-    level = VqfAttitude(RATE_HZ, AttitudeParams()).push(block)[0]
-    part = longest_walking(block.specific_force_mps2)
-    if part.stop - part.start < 10.0 * RATE_HZ:
-        return None
+    block, level, part = found
     up = level.up[part]
     mean_up = up.mean(axis=0) / np.linalg.norm(up.mean(axis=0))
     frequency, power = spectrum(level.vertical_mps2[part])
