@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.frames import Array
+from pdr_est.types.floor_plan import FloorPlan as FloorPlan
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.steps import TurnHypothesis as TurnHypothesis
 
@@ -178,7 +179,7 @@ class LoopClosure:
     sigma_m: float
 
 
-Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether | LoopClosure
+Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether | LoopClosure | FloorPlan
 """Any one measurement."""
 
 
