@@ -17,7 +17,7 @@ from pdr_est.cli.walk_list import NamedPath
 from pdr_est.errors import OutputError, PdrError, RecordingError
 from pdr_est.output.atomic_output import staged_file
 from pdr_est.output.call_inputs import refuse_inputs_in_file
-from pdr_est.types.csv_cells import harmless_cell
+from pdr_est.output.csv_cells import harmless_cell
 
 SUMMARY = "walks.csv"
 """Name of the table of all walks in a folder of results."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import wrap_angle
 from pdr_est.output.atomic_output import text_output
-from pdr_est.types.csv_cells import harmless_name
+from pdr_est.output.csv_cells import harmless_name
 from pdr_est.types.steps import CarryingMode
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from pdr_est.experiment.results.result_folder import CONFIG, PROVENANCE, RESULTS
 from pdr_est.experiment.scoring.positions import HELDOUT_METRICS
 from pdr_est.experiment.variants.alignment import aligned_in_file
 from pdr_est.io.writers.parquet import read_parquet
+from pdr_est.output.csv_cells import harmless_cell
 from pdr_est.params.validation_messages import nearest
 from pdr_est.params.yaml_lines import load_yaml
-from pdr_est.types.csv_cells import harmless_cell
 
 Values = Mapping[str, Mapping[str, Mapping[str, float]]]
 """Metric -> variant -> walk -> mean value over the tracks of the walk."""

@@ -9,8 +9,8 @@ from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.results.result_folder import FAILED, RESULTS, TIMINGS
 from pdr_est.experiment.results.walk_result import WalkResult
 from pdr_est.io.writers.parquet import write_parquet
+from pdr_est.output.csv_cells import harmless_cell
 from pdr_est.output.own_files import OwnFiles
-from pdr_est.types.csv_cells import harmless_cell
 from pdr_est.types.outcome import TrackOutcome
 
 

@@ -1,7 +1,6 @@
 """Convert positions and times of a track to what maps of the Earth use: longitude, latitude and dates in UTC."""
 
 import math
-import re
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 
@@ -16,7 +15,6 @@ DEGREE_DIGITS = 8
 _CHI_SQUARED_95 = -2.0 * math.log(0.05)  # 95 % quantile with two degrees of freedom
 _CORNERS = 16  # of a polygon for an ellipse, which covers 97.4 % of its area
 _LEAST_AXIS_M, _MOST_AXIS_M = 0.01, 1e5
-_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -105,11 +103,6 @@ def semi_axes95_m(covariance_m2: Array) -> Array:
 def compass_deg(heading_rad: Array) -> Array:
     """Convert headings (n,), rad counter-clockwise from east, to degrees clockwise from north in [0, 360)."""
     return np.mod(90.0 - np.degrees(heading_rad), 360.0)
-
-
-def xml_text(text: str) -> str:
-    """Replace characters that XML cannot hold, such as control characters, by the replacement character."""
-    return _NO_XML.sub("\N{REPLACEMENT CHARACTER}", text)
 
 
 def degree_texts(coordinates_deg: Array) -> Sequence[tuple[str, str]]:

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from xml.etree.ElementTree import Element, SubElement, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.io.writers.geodesy import dates_or_none, degree_texts, longitude_latitude, utc_texts, xml_text
-from pdr_est.output.atomic_output import write_text
+from pdr_est.io.writers.geodesy import dates_or_none, degree_texts, longitude_latitude, utc_texts
+from pdr_est.io.writers.xml_elements import add_element, write_document
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin
 from pdr_est.types.track import Track
@@ -52,26 +52,22 @@ def write_gpx(
     root = Element("gpx", attributes)
     start = utc_texts(track.time_s[:1], epoch_s)
     metadata = SubElement(root, "metadata")
-    _add(metadata, "name", name)
+    add_element(metadata, "name", name)
     words = "" if start else " The date of the recording is unknown: there are no times."
-    _add(metadata, "desc", f"Pedestrian track by {track.estimator} ({track.kind}).{words}")
+    add_element(metadata, "desc", f"Pedestrian track by {track.estimator} ({track.kind}).{words}")
     if start:
-        _add(metadata, "time", start[0])
+        add_element(metadata, "time", start[0])
     if fixes:
         position_m = np.array([fix.position_m for fix in fixes])
         points = _add_points(root, "wpt", position_m, np.array([fix.time_s for fix in fixes]), origin, epoch_s)
         for fix, point in zip(fixes, points, strict=True):
-            _add(point, "name", fix.source)
+            add_element(point, "name", fix.source)
     for device in track.devices:
         one = track.of_device(device)
         line = SubElement(root, "trk")
-        _add(line, "name", device)
+        add_element(line, "name", device)
         _add_points(SubElement(line, "trkseg"), "trkpt", one.position_m, one.time_s, origin, epoch_s)
-    write_text(path, '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n")
-
-
-def _add(parent: Element, tag: str, text: str) -> None:
-    SubElement(parent, tag).text = xml_text(text)
+    write_document(path, root)
 
 
 def _add_points(
@@ -87,6 +83,6 @@ def _add_points(
     for (x, y), date in zip(degree_texts(longitude_latitude(position_m, origin)), dates, strict=True):
         point = SubElement(parent, tag, {"lat": y, "lon": x})
         if date is not None:
-            _add(point, "time", date)
+            add_element(point, "time", date)
         points.append(point)
     return points

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from xml.etree.ElementTree import Element, SubElement, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
@@ -13,9 +13,8 @@ from pdr_est.io.writers.geodesy import (
     longitude_latitude,
     semi_axes95_m,
     utc_texts,
-    xml_text,
 )
-from pdr_est.output.atomic_output import write_text
+from pdr_est.io.writers.xml_elements import add_element, write_document
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin
 from pdr_est.types.steps import CarryingMode
@@ -66,8 +65,8 @@ def write_kml(
     namespaces = {"xmlns": "http://www.opengis.net/kml/2.2", "xmlns:gx": "http://www.google.com/kml/ext/2.2"}
     root = Element("kml", namespaces)
     document = SubElement(root, "Document")
-    _add(document, "name", name)
-    _add(document, "description", _description(track, dated))
+    add_element(document, "name", name)
+    add_element(document, "description", _description(track, dated))
     for number in range(len(track.devices)):
         _add_style(document, number)
     schema = SubElement(document, "Schema", {"id": _SCHEMA})
@@ -75,20 +74,16 @@ def write_kml(
         SubElement(schema, "gx:SimpleArrayField", {"name": array, "type": kind})
     for number, device in enumerate(track.devices):
         place = SubElement(document, "Placemark")
-        _add(place, "name", device)
-        _add(place, "styleUrl", f"#{_style(number)}")
+        add_element(place, "name", device)
+        add_element(place, "styleUrl", f"#{_style(number)}")
         _add_poses(place, track.of_device(device), origin, epoch_s)
     _add_fixes(document, fixes, origin, epoch_s)
-    write_text(path, '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n")
+    write_document(path, root)
 
 
 def _description(track: Track, dated: bool) -> str:
     words = "" if dated else " The date of the recording is unknown: there are no times."
     return f"Pedestrian track by {track.estimator} ({track.kind}), WGS 84.{words}"
-
-
-def _add(parent: Element, tag: str, text: str) -> None:
-    SubElement(parent, tag).text = xml_text(text)
 
 
 def _style(number: int) -> str:
@@ -98,8 +93,8 @@ def _style(number: int) -> str:
 def _add_style(document: Element, number: int) -> None:
     style = SubElement(document, "Style", {"id": _style(number)})
     line = SubElement(style, "LineStyle")
-    _add(line, "color", _COLOURS[number % len(_COLOURS)])
-    _add(line, "width", "4")
+    add_element(line, "color", _COLOURS[number % len(_COLOURS)])
+    add_element(line, "width", "4")
 
 
 def _add_poses(place: Element, track: Track, origin: GeoOrigin, epoch_s: float | None) -> None:
@@ -108,39 +103,39 @@ def _add_poses(place: Element, track: Track, origin: GeoOrigin, epoch_s: float |
     if dates is None:
         shape = SubElement(place, "Point" if len(track) == 1 else "LineString")
         if len(track) > 1:
-            _add(shape, "tessellate", "1")
-        _add(shape, "altitudeMode", _GROUND)
-        _add(shape, "coordinates", " ".join(f"{x},{y},0" for x, y in coordinates))
+            add_element(shape, "tessellate", "1")
+        add_element(shape, "altitudeMode", _GROUND)
+        add_element(shape, "coordinates", " ".join(f"{x},{y},0" for x, y in coordinates))
         return
     shape = SubElement(place, "gx:Track")
-    _add(shape, "altitudeMode", _GROUND)
+    add_element(shape, "altitudeMode", _GROUND)
     for date in dates:
-        _add(shape, "when", date)
+        add_element(shape, "when", date)
     for angle in compass_deg(track.heading_rad).tolist():
-        _add(shape, "gx:angles", f"{angle:.2f} 0 0")
+        add_element(shape, "gx:angles", f"{angle:.2f} 0 0")
     for x, y in coordinates:
-        _add(shape, "gx:coord", f"{x} {y} 0")
+        add_element(shape, "gx:coord", f"{x} {y} 0")
     data = SubElement(SubElement(shape, "ExtendedData"), "SchemaData", {"schemaUrl": f"#{_SCHEMA}"})
     radii = [f"{radius:.2f}" for radius in semi_axes95_m(track.covariance_m2)[:, 0].tolist()]
     modes = [CarryingMode(int(mode)).name for mode in track.mode]
     for (array, _), values in zip(_ARRAYS, (radii, modes), strict=True):
         element = SubElement(data, "gx:SimpleArrayData", {"name": array})
         for value in values:
-            _add(element, "gx:value", value)
+            add_element(element, "gx:value", value)
 
 
 def _add_fixes(document: Element, fixes: Sequence[PositionFix], origin: GeoOrigin, epoch_s: float | None) -> None:
     if not fixes:
         return
     folder = SubElement(document, "Folder")
-    _add(folder, "name", "fixes")
+    add_element(folder, "name", "fixes")
     coordinates = degree_texts(longitude_latitude(np.array([fix.position_m for fix in fixes]), origin))
     dates = dates_or_none(np.array([fix.time_s for fix in fixes]), epoch_s)
     for fix, (x, y), date in zip(fixes, coordinates, dates, strict=True):
         place = SubElement(folder, "Placemark")
-        _add(place, "name", fix.source)
+        add_element(place, "name", fix.source)
         if date is not None:
-            _add(SubElement(place, "TimeStamp"), "when", date)
+            add_element(SubElement(place, "TimeStamp"), "when", date)
         point = SubElement(place, "Point")
-        _add(point, "altitudeMode", _GROUND)
-        _add(point, "coordinates", f"{x},{y},0")
+        add_element(point, "altitudeMode", _GROUND)
+        add_element(point, "coordinates", f"{x},{y},0")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pdr_est.output.atomic_output import text_output
-from pdr_est.types.csv_cells import harmless_name
+from pdr_est.output.csv_cells import harmless_name
 from pdr_est.types.steps import Step
 
 STEP_COLUMNS = (

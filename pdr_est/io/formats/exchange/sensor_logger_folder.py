@@ -9,7 +9,7 @@ import polars as pl
 from pdr_est.errors import OutputError
 from pdr_est.io.formats.exchange.left_out import left_out, only_device
 from pdr_est.output.atomic_output import staged_file
-from pdr_est.types.csv_cells import harmless_cell
+from pdr_est.output.csv_cells import harmless_cell
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording, Signal
 from pdr_est.types.sensors import AttitudeReference

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pdr_est.types.csv_cells import harmless_cell
+from pdr_est.output.csv_cells import harmless_cell
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
