@@ -1,0 +1,15 @@
+"""Height of the walker and floors, by the air pressure.
+
+* `height_params`: parameters.
+* `seconds`: air pressure to heights, one for each second.
+* `vertical_moves`: what stairs, escalators and lifts are like.
+* `level_watch`: level or moving, second by second; `move_hypotheses` decides around changes of height.
+* `rise_smoothing`: heights under the decided modes.
+* `storeys`: numbers of the floors.
+* `height_profile`: all of it, for the recording of one device.
+"""
+
+from pdr_est.front_end.height.height_params import HeightParams
+from pdr_est.front_end.height.height_profile import height_profile
+
+__all__ = ["HeightParams", "height_profile"]
