@@ -39,7 +39,7 @@ ORDER: list[set[str]] = [
         "estimators.heading_chain",
     },
     {"io", "front_end.gait", "estimators"},
-    {"front_end.step_length", "front_end.heading", "front_end.step_noise"},
+    {"front_end.step_length", "front_end.heading", "front_end.height", "front_end.step_noise"},
     {"front_end.odometry"},
     {"front_end"},
     {"preprocessing", "evaluate"},
@@ -62,8 +62,8 @@ LIBRARIES = {
     "vqf": ("front_end.attitude", "performance.yardsticks"),
     "pygeomag": ("front_end.heading.north",),
     # A track gives data frames and drawings of itself; both libraries are imported at use.
-    "polars": ("io", "types.track", "types.track_table"),
-    "matplotlib": ("report", "types.track", "types.track_drawing"),
+    "polars": ("io", "types.track", "types.track_output"),
+    "matplotlib": ("report", "types.track", "types.track_output"),
     "jinja2": ("report",),
     "click": ("cli",),
 }

@@ -15,6 +15,7 @@ from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.gait import GaitParams
 from pdr_est.front_end.heading import HeadingParams
+from pdr_est.front_end.height import HeightParams
 from pdr_est.front_end.mode import ModeParams
 from pdr_est.front_end.odometry import OdometryParams
 from pdr_est.front_end.step_length import StepLengthParams, WalkerParams
@@ -158,6 +159,9 @@ class Config:
 
     heading: HeadingParams = HeadingParams()
     """Heading of each step."""
+
+    height: HeightParams = HeightParams()
+    """Height of the walker and floors, by the air pressure."""
 
     odometry: OdometryParams = OdometryParams()
     """Uncertainty of the motion from step to step."""

@@ -8,7 +8,7 @@ from pdr_est.clock_sync import align_device_clocks
 from pdr_est.config import Config
 from pdr_est.estimators.common.unknown_direction import with_unknown_direction
 from pdr_est.parts import NO_PARTS, Parts
-from pdr_est.pipeline.estimation import chosen_estimator, run_estimator, with_findings, with_person
+from pdr_est.pipeline.estimation import chosen_estimator, run_estimator, with_findings, with_height, with_person
 from pdr_est.pipeline.front_end_chain import analyse_device, north_of
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.measurements import (
@@ -106,5 +106,5 @@ def estimate_tracks(
         pairs = zip(devices, walks, strict=True)
         tied = [with_map_directions(one, walk, track, direction_rad) for one, walk in pairs]
         track = run_estimator(tied, tethers, estimator, config)
-    track = with_findings(track, walks, devices, tethers, estimator, config)
+    track = with_height(with_findings(track, walks, devices, tethers, estimator, config), walks)
     return with_unknown_direction(with_person(track, config), tied, config.start.pose())

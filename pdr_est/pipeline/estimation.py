@@ -73,6 +73,11 @@ def with_findings(
     return replace(track, findings=(*track.findings, *by_front_end, *of_walk))
 
 
+def with_height(track: Track, walks: Sequence[DeviceWalk]) -> Track:
+    """Add height and floor of the walker, by the first device that recorded the air pressure."""
+    return replace(track, height=next((walk.height for walk in walks if walk.height is not None), None))
+
+
 def with_person(track: Track, config: Config) -> Track:
     """Put the tracks of several devices where they sit on the body, and add the track of the person."""
     if len(track.devices) < 2:

@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from pdr_est.config import Config
 from pdr_est.front_end.attitude import AccelerometerTilt, DeviceAttitude, VqfAttitude
 from pdr_est.front_end.gait import gait_stage
 from pdr_est.front_end.heading import heading_stage, needs_magnetometer, whole_walk_stage
 from pdr_est.front_end.heading.north import NorthPriors, NorthReference, north_reference
 from pdr_est.front_end.heading.whole_walk.drift_correction import WholeWalkHeading
+from pdr_est.front_end.height import height_profile
 from pdr_est.front_end.mode import mode_stage
 from pdr_est.front_end.odometry import Odometry
 from pdr_est.front_end.step_length import stairs_stage, step_length_stage
@@ -34,6 +37,7 @@ from pdr_est.preprocessing.resampling import Resampler
 from pdr_est.stage import Chain, Parallel, Stage, run_through
 from pdr_est.types.analysis import DeferredOdometry, DeviceWalk
 from pdr_est.types.findings import Finding
+from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import HeadingPrior, StepOdometry
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.sensors import Channel
@@ -97,7 +101,15 @@ def analyse_device(
         gaps=resampler.gaps,
         dropped_samples=resampler.dropped,
         findings=_findings_of(used),
+        height=_height(device, [step.event.time_s for step in steps], config),
     )
+
+
+def _height(device: DeviceRecording, step_time_s: Sequence[float], config: Config) -> HeightProfile | None:
+    """Estimate height and floor of the walker where the device recorded the air pressure."""
+    if device.pressure is None or not config.height.enabled:
+        return None
+    return height_profile(device.pressure, np.array(step_time_s), config.height)
 
 
 def _findings_of(measuring_stages: Parallel) -> tuple[Finding, ...]:

@@ -7,6 +7,7 @@ from typing import overload
 from pdr_est.frames import Array
 from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.findings import Finding
+from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import Gap, LevelBlock
 from pdr_est.types.steps import Step
@@ -132,6 +133,8 @@ class DeviceWalk:
     findings
         What of the device's measurements does not fit together: of those for estimators that smooth, where there are
         any.
+    height
+        Height and floor of the walker; None without air pressure.
     """
 
     device: str
@@ -147,6 +150,7 @@ class DeviceWalk:
     gaps: tuple[Gap, ...] = ()
     dropped_samples: dict[str, int] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
+    height: HeightProfile | None = None
 
     def knows_north(self, by_the_end: bool = True) -> bool:
         """Tell whether any heading is known against north, to a smoother by the end of the walk or to a filter."""

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pdr_est.frames import Array
-from pdr_est.types import track_table
 from pdr_est.types.findings import Finding
+from pdr_est.types.height import HeightProfile
+from pdr_est.types.track_output import table as track_table
 
 if TYPE_CHECKING:
     import pandas
@@ -66,6 +67,8 @@ class Track:
         Estimated ratio of the walker's step length to that of the step-length model, and its standard deviation.
     findings
         What does not fit in the walk as a whole, and what the estimator chose: the same for every device.
+    height
+        Height and floor of the walker over time; None where no device recorded the air pressure.
     """
 
     time_s: Array
@@ -82,6 +85,7 @@ class Track:
     length_scale: float = 1.0
     sigma_length_scale: float = 0.0
     findings: tuple[Finding, ...] = ()
+    height: HeightProfile | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -93,7 +97,7 @@ class Track:
 
     def _repr_html_(self) -> str:
         """Show a table and a drawing in notebooks."""
-        from pdr_est.types.track_drawing import track_html
+        from pdr_est.types.track_output.drawing import track_html
 
         return track_html(self)
 
@@ -205,7 +209,7 @@ class Track:
         matplotlib.axes.Axes
             The axes, with equal scales.
         """
-        from pdr_est.types.track_drawing import plot_track_on
+        from pdr_est.types.track_output.drawing import plot_track_on
 
         return plot_track_on(ax, self, fixes, truth_m)
 

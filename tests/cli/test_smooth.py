@@ -16,7 +16,7 @@ from cli_runs import PROGRAM, RESULT_FILES, interrupt, refused, run, smoothed
 from pdr_est.front_end.gait import shipped_model
 from pdr_est.front_end.gait.model import model_digest
 from pdr_est.front_end.step_length.equations import MMPDR_K
-from pdr_est.types.track_table import TRACK_COLUMNS
+from pdr_est.types.track_output.table import TRACK_COLUMNS
 
 SUMMARY_KEYS = {
     *(

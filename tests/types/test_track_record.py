@@ -13,7 +13,7 @@ from matplotlib.patches import Ellipse
 import pdr_est
 from pdr_est.errors import OutputError, RecordingError
 from pdr_est.types.track import bracketing_poses, concatenate
-from pdr_est.types.track_table import TRACK_COLUMNS
+from pdr_est.types.track_output.table import TRACK_COLUMNS
 
 
 def make_track(device: str = "phone", n: int = 30, seed: int = 0) -> pdr_est.Track:

@@ -6,10 +6,10 @@
 * `level_watch`: level or moving, second by second; `move_hypotheses` decides around changes of height.
 * `rise_smoothing`: heights under the decided modes.
 * `storeys`: numbers of the floors.
-* `height_profile`: all of it, for the recording of one device.
+* `profile`: all of it, for the recording of one device.
 """
 
 from pdr_est.front_end.height.height_params import HeightParams
-from pdr_est.front_end.height.height_profile import height_profile
+from pdr_est.front_end.height.profile import height_profile
 
 __all__ = ["HeightParams", "height_profile"]

@@ -28,11 +28,11 @@ class HeightParams:
     """Least standard deviation of the mean height in a second by the air pressure, m: noise of phones' barometers."""
     drift_m_per_sqrt_s: Positive = 0.04
     """Random walk of the pressure, as height: m per root second. Weather changes it by 1 m in ten minutes."""
-    jumps: Fraction = 0.02
+    jumps: Fraction = 0.01
     """Share of seconds in which the pressure jumps: doors, air conditioning, a phone put elsewhere or pressed."""
     sigma_jump_m: Positive = 0.5
     """Standard deviation of such a jump, as height, m."""
-    great_jumps: Fraction = 0.002
+    great_jumps: Fraction = 0.001
     """Share of seconds in which it jumps farther, as in a pocket that a leg presses."""
     sigma_great_jump_m: Positive = 1.5
     """Standard deviation of such a jump, as height, m."""
@@ -47,6 +47,6 @@ class HeightParams:
     sigma_least_rise_m: Positive = 0.4
     """Standard deviation of the least change of height of a change of floor, m."""
     sigma_level_m: NonNegative = 0.3
-    """Standard deviation of the height within a floor, m: ramps and single steps, which the pressure does not tell."""
+    """Standard deviation of the height within a floor, m: ramps and single steps, which pressure does not tell."""
     sigma_air: NonNegative = 0.02
     """Relative standard deviation of the scale of heights: air that is warmer by 6 K is thinner by 2 %."""

@@ -43,11 +43,10 @@ class LevelWatch:
         """Take in the next second."""
         if self._hypotheses is not None:
             self._hypotheses.add(second)
-            self._end_hypotheses_when_settled()
+            self._end_when_settled(self._hypotheses)
             return
         if self._is_noticeable(second.height_m):
-            self._begin_hypotheses()
-            assert self._hypotheses is not None
+            self._hypotheses = self._hypotheses_from_the_oldest()
             self._hypotheses.add(second)
             return
         self._follow(second.height_m)
@@ -84,24 +83,26 @@ class LevelWatch:
         limit_m = max(_NOTICEABLE_M, _NOTICEABLE_SIGMAS * self._sigma_m)
         return abs(height_m - self._recent[0][1]) > limit_m or abs(height_m - self._level_m) > limit_m
 
-    def _begin_hypotheses(self) -> None:
-        """Begin the hypotheses at the oldest of the recent seconds, and give them those after it."""
+    def _hypotheses_from_the_oldest(self) -> MoveHypotheses:
+        """Begin hypotheses at the oldest of the recent seconds, and give them those after it."""
         _, level_m, variance_m2 = self._recent[0]
         later = [second for second, _, _ in self._recent][1:]
-        self._hypotheses = MoveHypotheses(self._parameters, self._sigma_m, level_m, variance_m2)
+        hypotheses = MoveHypotheses(self._parameters, self._sigma_m, level_m, variance_m2)
         del self._mode[len(self._mode) - len(later) :], self._case[len(self._case) - len(later) :]
         for second in later:
-            self._hypotheses.add(second)
+            hypotheses.add(second)
         self._recent.clear()
+        return hypotheses
 
-    def _end_hypotheses_when_settled(self) -> None:
+    def _end_when_settled(self, hypotheses: MoveHypotheses) -> None:
         """End the hypotheses when the walker has been level for long enough."""
-        assert self._hypotheses is not None
-        path = self._hypotheses.best_path
+        path = hypotheses.best_path
         latest = path.mode[-_SETTLED_S:]
-        if len(latest) < _SETTLED_S or modes.is_moving(latest).any() or self._hypotheses.level_probability < _SETTLED_PROBABILITY:
+        if len(latest) < _SETTLED_S or modes.is_moving(latest).any():
+            return
+        if hypotheses.level_probability < _SETTLED_PROBABILITY:
             return
         self._mode += path.mode.tolist()
         self._case += path.case.tolist()
-        self._level_m, self._variance_m2 = self._hypotheses.level_error
+        self._level_m, self._variance_m2 = hypotheses.level_error
         self._hypotheses = None

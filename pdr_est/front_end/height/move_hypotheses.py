@@ -2,9 +2,9 @@
 
 A hypothesis says for each second so far whether the walker was level or moved on stairs, an escalator or a lift, down
 or up, and whether the pressure was disturbed. Its Kalman filter has three states: the height of the walker, the error
-of the height by the pressure, which wanders with weather and wind, and the vertical speed. The height changes in moves
-alone, and the error alone changes on the level: so no drift of the pressure, however long, becomes a change of floor,
-and a move has to be as fast and as high as moves are.
+of the height by the pressure, which wanders with weather and wind, and the vertical speed. The height changes in
+moves alone: no drift of the pressure, however long, becomes a change of floor, and a move has to be as fast and as
+high as moves are.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,8 @@ _NEGLIGIBLE_LOG = -25.0  # log of the weight over that of the best one
 _SAME_M, _SAME_MPS = 0.4, 0.25  # hypotheses of a mode are merged whose height and speed lie in the same interval
 _HEIGHT, _ERROR, _SPEED = range(3)
 _EACH = np.eye(3)
-_BEGIN = np.array([[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # somewhere in the second
+_HALF_A_SECOND = np.array([[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # a move ends within the second
+_EVENLY = np.array([0.5, 0.0, 1.0])  # height and speed of a change of the speed
 _SHARE_OF_SMALL = 1e-4  # of moves that are no more than a few steps
 
 STEADY, JUMP, GREAT_JUMP = range(3)
@@ -171,24 +172,21 @@ def moved_on(mean: Array, covariance: Array, before: Numbers, mode: Numbers, dri
     drift_m_per_sqrt_s
         Random walk of the error, m per root second.
     """
-    moving = modes.is_moving(mode)
-    begins, goes_on = moving & (before != mode), moving & (before == mode)
-    mean[~moving, _SPEED] = 0.0
-    renewed = ~goes_on
-    covariance[renewed, _SPEED, :] = 0.0
-    covariance[renewed, :, _SPEED] = 0.0
-    mean[begins, _SPEED] = modes.SPEED_MPS[mode[begins]]
-    covariance[begins, _SPEED, _SPEED] = modes.SIGMA_SPEED_MPS[mode[begins]] ** 2
-    if begins.any():
-        mean[begins] = mean[begins] @ _BEGIN.T
-        covariance[begins] = _BEGIN @ covariance[begins] @ _BEGIN.T
-    if goes_on.any():
-        steadiness = modes.STEADINESS[mode[goes_on]]
-        by = move_matrices(steadiness)
-        mean[goes_on] = np.einsum("nij,nj->ni", by, mean[goes_on])
-        mean[goes_on, _SPEED] += (1.0 - steadiness) * modes.SPEED_MPS[mode[goes_on]]
-        covariance[goes_on] = by @ covariance[goes_on] @ by.transpose(0, 2, 1)
-        covariance[goes_on, _SPEED, _SPEED] += (1.0 - steadiness**2) * modes.SIGMA_SPEED_MPS[mode[goes_on]] ** 2
+    moving, changes = modes.is_moving(mode), before != mode
+    ends, begins, goes_on = modes.is_moving(before) & changes, moving & changes, moving & ~changes
+    for places, by in ((ends, _HALF_A_SECOND), (goes_on, move_matrices(modes.STEADINESS[mode[goes_on]]))):
+        mean[places] = np.matmul(by, mean[places][:, :, None])[:, :, 0]
+        covariance[places] = by @ covariance[places] @ np.swapaxes(by, -1, -2)
+    still = ~goes_on
+    mean[still, _SPEED] = 0.0
+    covariance[still, _SPEED, :] = 0.0
+    covariance[still, :, _SPEED] = 0.0
+    chosen = mode[begins]
+    _add_speed(mean, covariance, begins, modes.SPEED_MPS[chosen], modes.SIGMA_SPEED_MPS[chosen] ** 2)
+    chosen = mode[goes_on]
+    steadiness = modes.STEADINESS[chosen]
+    pull_mps = (1.0 - steadiness) * modes.SPEED_MPS[chosen]
+    _add_speed(mean, covariance, goes_on, pull_mps, (1.0 - steadiness**2) * modes.SIGMA_SPEED_MPS[chosen] ** 2)
     covariance[:, _ERROR, _ERROR] += drift_m_per_sqrt_s**2
 
 
@@ -197,10 +195,16 @@ def jump_variances_m2(parameters: HeightParams) -> Array:
     return np.array([0.0, parameters.sigma_jump_m**2, parameters.sigma_great_jump_m**2])
 
 
+def _add_speed(mean: Array, covariance: Array, places: NDArray[np.bool_], speed_mps: Array, variance: Array) -> None:
+    """Add to the speed what changes within the second, evenly: it moves the height by half of itself."""
+    mean[places] += speed_mps[:, None] * _EVENLY
+    covariance[places] += variance[:, None, None] * np.outer(_EVENLY, _EVENLY)
+
+
 def move_matrices(steadiness: Array) -> Array:
     """Return the matrices (n, 3, 3) that move height, error and speed on by a second of a move."""
     by = np.tile(_EACH, (len(steadiness), 1, 1))
-    by[:, _HEIGHT, _SPEED] = 1.0
+    by[:, _HEIGHT, _SPEED] = 0.5 * (1.0 + steadiness)
     by[:, _SPEED, _SPEED] = steadiness
     return by
 

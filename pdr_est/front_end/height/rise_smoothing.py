@@ -7,7 +7,13 @@ import numpy as np
 from pdr_est.frames import Array
 from pdr_est.front_end.height import vertical_moves as modes
 from pdr_est.front_end.height.height_params import HeightParams
-from pdr_est.front_end.height.move_hypotheses import PathOfModes, jump_variances_m2, measure_height, move_matrices, moved_on
+from pdr_est.front_end.height.move_hypotheses import (
+    PathOfModes,
+    jump_variances_m2,
+    measure_height,
+    move_matrices,
+    moved_on,
+)
 from pdr_est.front_end.height.seconds import Second
 
 _BESIDE_S = 120  # seconds beside a move that tell its rise; the error wanders too much for more
@@ -80,6 +86,6 @@ def _smoothed(
 
 def _transition(before: int, mode: int) -> Array:
     """Return the matrix (3, 3) that moves height, error and speed on; a speed that begins or ends is independent."""
-    if mode != before or modes.direction_of(mode) == 0:
-        return np.diag([1.0, 1.0, 0.0])
-    return np.asarray(move_matrices(modes.STEADINESS[[mode]])[0])
+    if before == mode and modes.direction_of(mode):
+        return np.asarray(move_matrices(modes.STEADINESS[[mode]])[0])
+    return np.array([[1.0, 0.0, 0.5 * abs(modes.direction_of(before))], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])

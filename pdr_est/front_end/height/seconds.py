@@ -31,7 +31,10 @@ class Second(NamedTuple):
 
 
 def height_by_pressure(pressure_pa: ArrayLike) -> Array:
-    """Compute heights, m, from an arbitrary level, by the barometric formula; air warmer by 10 K makes 1 m of it 1.03 m."""
+    """Compute heights, m, from an arbitrary level, by the barometric formula.
+
+    In air that is warmer by 10 K, 1 m of them is 1.03 m.
+    """
     return np.asarray(SCALE_HEIGHT_M * np.log(_REFERENCE_PA / np.asarray(pressure_pa, dtype=np.float64)))
 
 

@@ -21,7 +21,7 @@ class Rise(NamedTuple):
 
 
 def floor_numbers(rises: list[Rise], parameters: HeightParams) -> tuple[NDArray[np.int64], Array]:
-    """Number the floors between and around changes of height, counted from the first floor, which is 0.
+    """Find the numbers of the floors between changes of height, counted from the first floor, which is 0.
 
     How many storeys a rise is depends on how high the storeys of the building are, and every rise tells something
     about that. The storeys of a building are alike, and those of different buildings are not.

@@ -140,7 +140,24 @@ def _fix_feature(fix: PositionFix, coordinates: list[float], date: str | None) -
     return _feature("Point", coordinates, properties)
 
 
+def _heights(track: Track) -> list[Json]:
+    """Return height and floor of each pose, where they are known."""
+    profile = track.height
+    if profile is None:
+        return [{}] * len(track)
+    return [
+        {
+            "height_m": _number(profile.height_m[place], 3),
+            "sigma_height_m": _number(profile.sigma_m[place], 3),
+            "floor": int(profile.floor[place]),
+            "floor_probability": _number(profile.floor_probability[place], 4),
+        }
+        for place in profile.nearest(track.time_s).tolist()
+    ]
+
+
 def _pose_features(track: Track, origin: GeoOrigin | None, epoch_s: float | None) -> list[Json]:
+    heights = _heights(track)
     dates, headings = dates_or_none(track.time_s, epoch_s), wrap_angle(track.heading_rad)
     return [
         _feature(
@@ -158,6 +175,7 @@ def _pose_features(track: Track, origin: GeoOrigin | None, epoch_s: float | None
                 "cov_yy_m2": _number(track.covariance_m2[i, 1, 1], 9),
                 "mode": CarryingMode(int(track.mode[i])).name,
                 "step_length_m": _number(track.step_length_m[i], 4),
+                **heights[i],
             },
         )
         for i, coordinates in enumerate(_coordinates(track.position_m, origin))

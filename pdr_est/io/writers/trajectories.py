@@ -99,8 +99,8 @@ def write_tum_covariance(track: Track, path: str | Path, epoch_s: float | None =
 def write_iso21134(track: Track, path: str | Path, epoch_s: float | None = None) -> tuple[Path, ...]:
     """Write a CSV table with the columns `timestamp,x,y,yaw,floor` that benchmarks in the style of ISO/IEC 21134 use.
 
-    timestamp is in seconds, x and y in metres, yaw in radians counter-clockwise from east in [-pi, pi). floor is an
-    empty cell, since it is not estimated.
+    timestamp is in seconds, x and y in metres, yaw in radians counter-clockwise from east in [-pi, pi). floor is the
+    number of the floor, counted from that at the start, and an empty cell where it is not known.
 
     Parameters
     ----------
@@ -119,9 +119,10 @@ def write_iso21134(track: Track, path: str | Path, epoch_s: float | None = None)
 
     def lines(one: Track) -> Iterator[str]:
         yield ",".join(ISO21134_COLUMNS) + "\n"
-        rows = zip(one.time_s, one.position_m, wrap_angle(one.heading_rad), strict=True)
-        for time_s, (x, y), yaw in rows:
-            yield f"{(epoch_s or 0.0) + time_s:.6f},{x:.4f},{y:.4f},{yaw:.6f},\n"
+        floors = [""] * len(one) if one.height is None else one.height.floor[one.height.nearest(one.time_s)].tolist()
+        rows = zip(one.time_s, one.position_m, wrap_angle(one.heading_rad), floors, strict=True)
+        for time_s, (x, y), yaw, floor in rows:
+            yield f"{(epoch_s or 0.0) + time_s:.6f},{x:.4f},{y:.4f},{yaw:.6f},{floor}\n"
 
     return _write_devices(track, path, lines)
 

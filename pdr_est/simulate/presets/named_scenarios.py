@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from types import MappingProxyType
 
 from pdr_est.errors import ConfigError
+from pdr_est.simulate.presets.floors import walk_over_floors
 from pdr_est.simulate.presets.mmpdr import mmpdr_indoor, park_348
 from pdr_est.simulate.presets.riding import commute, riding_walk
 from pdr_est.simulate.presets.uptime import uptime_trip
@@ -46,6 +47,7 @@ PRESETS: Mapping[str, Callable[[], Scenario]] = MappingProxyType(
         "ride_lift": lambda: riding_walk(lift()),
         "ride_escalator": lambda: riding_walk(escalator(), ride_s=40.0),
         "commute": commute,
+        "floors": walk_over_floors,
     }
 )
 """Functions that make the scenarios, by name; making one at the import would cost the validation of its records."""

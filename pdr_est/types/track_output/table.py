@@ -16,6 +16,7 @@ from pdr_est.errors import OutputError, RecordingError
 from pdr_est.frames import wrap_angle
 from pdr_est.output.atomic_output import text_output
 from pdr_est.output.csv_cells import harmless_name
+from pdr_est.types.height import HeightProfile
 from pdr_est.types.steps import CarryingMode
 
 if TYPE_CHECKING:
@@ -39,8 +40,12 @@ TRACK_COLUMNS = (
 )
 """Columns of `track.csv` and of the data frames, in order."""
 
+HEIGHT_COLUMNS = ("height_m", "sigma_height_m", "floor", "floor_probability")
+"""Columns that follow where height and floor are known."""
+
 _TEXT_COLUMNS = ("device", "mode")
 _ROUNDING = {"time_s": ".6f", "x_m": ".4f", "y_m": ".4f", "heading_rad": ".6f", "step_length_m": ".4f"}
+_ROUNDING |= {"height_m": ".3f", "sigma_height_m": ".3f", "floor": "d", "floor_probability": ".4f"}
 _ROUNDING |= dict.fromkeys(("cov_xx_m2", "cov_xy_m2", "cov_yy_m2"), ".9g") | {"sigma_heading_rad": ".6g"}
 
 
@@ -60,20 +65,26 @@ def columns_of(track: "Track") -> dict[str, NDArray[Any]]:
         names,
         track.step_length_m,
     )
-    return dict(zip(TRACK_COLUMNS, values, strict=True))
+    columns = dict(zip(TRACK_COLUMNS, values, strict=True))
+    if track.height is not None:
+        places, profile = track.height.nearest(track.time_s), track.height
+        heights = (profile.height_m, profile.sigma_m, profile.floor, profile.floor_probability)
+        columns |= {name: column[places] for name, column in zip(HEIGHT_COLUMNS, heights, strict=True)}
+    return columns
 
 
 def write_csv(track: "Track", path: str | Path) -> None:
     """Write the track table with its header, numbers rounded to 0.1 mm or finer."""
+    columns = columns_of(track)
     texts = [
         [format(value, _ROUNDING[name]) for value in column.tolist()]
         if name in _ROUNDING
         else list(map(harmless_name, column.tolist()))
-        for name, column in columns_of(track).items()
+        for name, column in columns.items()
     ]
     with text_output(path) as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(TRACK_COLUMNS)
+        writer.writerow(columns)
         writer.writerows(zip(*texts, strict=True))
 
 
@@ -90,14 +101,14 @@ def read_csv(path: str | Path) -> dict[str, Any]:
             header, *rows = list(csv.reader(stream)) or [[]]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RecordingError(f"{path}: cannot be read as a track table: {error}") from error
-    if tuple(header) != TRACK_COLUMNS:
+    if tuple(header) not in (TRACK_COLUMNS, TRACK_COLUMNS + HEIGHT_COLUMNS):
         raise RecordingError(
             f"{path}: not a track table: its first line is {','.join(header)[:80]!r}, but the columns must be "
-            f"{','.join(TRACK_COLUMNS)}"
+            f"{','.join(TRACK_COLUMNS)}, and {','.join(HEIGHT_COLUMNS)} may follow"
         )
     if not rows:
         raise RecordingError(f"{path}: the track table has no rows: a track has at least its start")
-    columns = {name: _column(path, name, index, rows) for index, name in enumerate(TRACK_COLUMNS)}
+    columns = {name: _column(path, name, index, rows, len(header)) for index, name in enumerate(header)}
     time_s, device = columns["time_s"], columns["device"]
     first = np.concatenate([[True], device[1:] != device[:-1]])
     covariance = np.array(
@@ -115,29 +126,41 @@ def read_csv(path: str | Path) -> dict[str, Any]:
         "sigma_heading_rad": columns["sigma_heading_rad"],
         "mode": columns["mode"],
         "step_length_m": columns["step_length_m"],
+        "height": _height(columns),
     }
 
 
-def _column(path: str | Path, name: str, index: int, rows: list[list[str]]) -> NDArray[Any]:
+def _height(columns: dict[str, NDArray[Any]]) -> HeightProfile | None:
+    """Make the height of the walker from that of the poses, in order of time; None where it is not in the table."""
+    if HEIGHT_COLUMNS[0] not in columns:
+        return None
+    time_s, first = np.unique(columns["time_s"], return_index=True)
+    height_m, sigma_m, floor, probability = (columns[name][first] for name in HEIGHT_COLUMNS)
+    return HeightProfile(time_s, height_m, sigma_m, floor, probability)
+
+
+def _column(path: str | Path, name: str, index: int, rows: list[list[str]], count: int) -> NDArray[Any]:
     """Convert one column of text cells; modes become their numbers."""
     cells = []
     for line, row in enumerate(rows, start=2):
-        if len(row) != len(TRACK_COLUMNS):
-            raise RecordingError(
-                f"{path}, row {line}: {len(row)} cells instead of {len(TRACK_COLUMNS)}: the file is damaged"
-            )
+        if len(row) != count:
+            raise RecordingError(f"{path}, row {line}: {len(row)} cells instead of {count}: the file is damaged")
         try:
             cells.append(_cell(name, row[index]))
         except (ValueError, KeyError) as error:
-            wanted = f"one of {', '.join(CarryingMode.__members__)}" if name == "mode" else "a number"
+            wanted = {"mode": f"one of {', '.join(CarryingMode.__members__)}", "floor": "an integer"}.get(
+                name, "a number"
+            )
             raise RecordingError(f"{path}, row {line}: {name} is {row[index]!r}: it must be {wanted}") from error
-    types: dict[str, type[Any]] = {"device": np.str_, "mode": np.int8}
+    types: dict[str, type[Any]] = {"device": np.str_, "mode": np.int8, "floor": np.int64}
     return np.array(cells, dtype=types.get(name, np.float64))
 
 
 def _cell(name: str, text: str) -> Any:
     if name == "device":
         return text
+    if name == "floor":
+        return int(text)
     return CarryingMode[text].value if name == "mode" else float(text)
 
 

@@ -52,22 +52,28 @@ def height_profile(
     floor, probability = _floors(height_m, variance_m2, _levels_of(stretches, still), parameters)
     sigma_m2 = variance_m2 + parameters.sigma_level_m**2 + (parameters.sigma_air * height_m) ** 2
     return HeightProfile(
-        time_s=first + 0.5 + np.arange(len(seconds)),
+        time_s=first + 0.5 + np.arange(len(seconds), dtype=np.float64),
         height_m=height_m,
         sigma_m=np.sqrt(sigma_m2),
         floor=floor,
         floor_probability=probability,
         moves=tuple(
-            VerticalMove(
-                begin_s=float(first + begin),
-                end_s=float(first + end),
-                kind=modes.kind_of(int(path.mode[begin])),
-                rise_m=float(height_m[min(end, len(seconds) - 1)] - height_m[max(begin - 1, 0)]),
-                sigma_m=float(np.sqrt(max(variance_m2[min(end, len(seconds) - 1)] - variance_m2[max(begin - 1, 0)], 0.0))),
-            )
+            _move(begin, end, first, modes.kind_of(int(still[begin])), height_m, variance_m2)
             for begin, end in stretches
             if still[begin] != modes.LEVEL
         ),
+    )
+
+
+def _move(begin: int, end: int, first: int, kind: MoveKind, height_m: Array, variance_m2: Array) -> VerticalMove:
+    """Describe a move from its first second to the one after its last."""
+    before, after = max(begin - 1, 0), min(end, len(height_m) - 1)
+    return VerticalMove(
+        begin_s=float(first + begin),
+        end_s=float(first + end),
+        kind=kind,
+        rise_m=float(height_m[after] - height_m[before]),
+        sigma_m=float(np.sqrt(max(variance_m2[after] - variance_m2[before], 0.0))),
     )
 
 
@@ -80,7 +86,7 @@ def _stretches(mode: Numbers) -> list[tuple[int, int]]:
 def _floors(
     height_m: Array, variance_m2: Array, levels: list[tuple[int, int]], parameters: HeightParams
 ) -> tuple[Numbers, Array]:
-    """Number the floor of each second, and return the probabilities of these numbers; between levels, the nearest."""
+    """Find the floor of each second, between levels the nearest one, and its probability."""
     places = [begin for begin, _ in levels]
     rises = [
         Rise(float(height_m[after] - height_m[before]), float(max(variance_m2[after] - variance_m2[before], 0.0)))
@@ -106,8 +112,8 @@ def _levels_of(stretches: list[tuple[int, int]], mode: Numbers) -> list[tuple[in
         inner = 0 < place < len(stretches) - 1
         if inner and end - begin <= _LANDING_S:
             before, after = int(mode[begin - 1]), int(mode[end])
-            stairs = modes.kind_of(before) is modes.kind_of(after) is MoveKind.STAIRS
-            if stairs and modes.direction_of(before) == modes.direction_of(after):
+            by_lift = MoveKind.LIFT in (modes.kind_of(before), modes.kind_of(after))
+            if not by_lift and modes.direction_of(before) == modes.direction_of(after):
                 continue
         levels.append((begin, end))
     return levels or [stretches[0]]
