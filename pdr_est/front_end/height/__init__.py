@@ -4,6 +4,7 @@
 * `seconds`: air pressure to heights, one for each second.
 * `vertical_moves`: what stairs, escalators and lifts are like.
 * `level_watch`: level or moving, second by second; `move_hypotheses` decides around changes of height.
+* `vertical_filter`: the Kalman filter of one hypothesis.
 * `rise_smoothing`: heights under the decided modes.
 * `storeys`: numbers of the floors.
 * `profile`: all of it, for the recording of one device.

@@ -9,7 +9,7 @@ from pdr_est.params import Fraction, NonNegative, Positive, params
 
 @params
 class HeightParams:
-    """How walkers change floors, and how the air pressure disturbs the height that follows from it.
+    """Habits of walkers who change floors, and disturbances of the air pressure.
 
     Rates, durations and storeys are those of ordinary buildings, and none is fitted to recordings.
     """

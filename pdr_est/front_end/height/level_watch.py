@@ -6,8 +6,9 @@ import numpy as np
 
 from pdr_est.front_end.height import vertical_moves as modes
 from pdr_est.front_end.height.height_params import HeightParams
-from pdr_est.front_end.height.move_hypotheses import STEADY, MoveHypotheses, PathOfModes
+from pdr_est.front_end.height.move_hypotheses import MoveHypotheses, PathOfModes
 from pdr_est.front_end.height.seconds import Second
+from pdr_est.front_end.height.vertical_filter import STEADY
 
 _LOOK_BACK_S = 20  # a move that has changed the height noticeably began less than this before
 _NOTICEABLE_SIGMAS = 4.0

@@ -18,25 +18,25 @@ from pdr_est.frames import Array
 from pdr_est.front_end.height import vertical_moves as modes
 from pdr_est.front_end.height.height_params import HeightParams
 from pdr_est.front_end.height.seconds import Second
+from pdr_est.front_end.height.vertical_filter import (
+    ERROR,
+    HEIGHT,
+    SPEED,
+    Numbers,
+    jump_variances_m2,
+    measure_height,
+    move_on,
+)
 
 _MOST_HYPOTHESES = 24
 _CONSIDERED = 6 * _MOST_HYPOTHESES
 _NEGLIGIBLE_LOG = -25.0  # log of the weight over that of the best one
 _SAME_M, _SAME_MPS = 0.4, 0.25  # hypotheses of a mode are merged whose height and speed lie in the same interval
-_HEIGHT, _ERROR, _SPEED = range(3)
-_EACH = np.eye(3)
-_HALF_A_SECOND = np.array([[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # a move ends within the second
-_EVENLY = np.array([0.5, 0.0, 1.0])  # height and speed of a change of the speed
 _SHARE_OF_SMALL = 1e-4  # of moves that are no more than a few steps
-
-STEADY, JUMP, GREAT_JUMP = range(3)
-"""Cases of the error of the pressure in a second: it wanders, or it has jumped, or jumped far."""
-
-Numbers = NDArray[np.int64]
 
 
 class PathOfModes(NamedTuple):
-    """What the most probable hypothesis says of each second: mode (n,), and case of the pressure (n,)."""
+    """Mode (n,) and case of the pressure (n,) of each second, by the most probable hypothesis."""
 
     mode: Numbers
     case: Numbers
@@ -101,7 +101,7 @@ class MoveHypotheses:
     def level_error(self) -> tuple[float, float]:
         """Return height plus error of the most probable hypothesis, m, and its variance, m²."""
         mean, covariance = self._bank.mean[0], self._bank.covariance[0]
-        return float(mean[_HEIGHT] + mean[_ERROR]), float(covariance[:2, :2].sum())
+        return float(mean[HEIGHT] + mean[ERROR]), float(covariance[:2, :2].sum())
 
     def add(self, second: Second) -> None:
         """Take in the next second."""
@@ -129,11 +129,11 @@ class MoveHypotheses:
         mean, covariance, begin_m = bank.mean[parent], bank.covariance[parent], bank.begin_m[parent].copy()
         before = bank.mode[parent]
         begins, ends = modes.is_moving(mode) & (before != mode), modes.is_moving(before) & (before != mode)
-        begin_m[begins] = mean[begins, _HEIGHT]
-        rise_m = np.abs(mean[ends, _HEIGHT] - begin_m[ends])
+        begin_m[begins] = mean[begins, HEIGHT]
+        rise_m = np.abs(mean[ends, HEIGHT] - begin_m[ends])
         is_high = ndtr((rise_m - p.least_rise_m) / p.sigma_least_rise_m)
         log_weight[ends] += np.log(_SHARE_OF_SMALL + (1.0 - _SHARE_OF_SMALL) * is_high)
-        moved_on(mean, covariance, before, mode, p.drift_m_per_sqrt_s)
+        move_on(mean, covariance, before, mode, p.drift_m_per_sqrt_s)
         if second.steps is not None:
             log_weight += (modes.LOG_STEPPING if second.steps else modes.LOG_RESTING)[mode]
         cases = len(self._log_case) if np.isfinite(second.height_m) else 1
@@ -141,7 +141,7 @@ class MoveHypotheses:
         each = np.repeat(np.arange(len(mode)), cases)
         mean, covariance = mean[each], covariance[each]
         log_weight = log_weight[each] + self._log_case[case]
-        covariance[:, _ERROR, _ERROR] += jump_variances_m2(p)[case]
+        covariance[:, ERROR, ERROR] += jump_variances_m2(p)[case]
         if cases > 1:
             noise = self._variance_m2 + p.sigma_disturbed_m**2 * (mode[each] == modes.DISTURBED)
             log_weight += measure_height(mean, covariance, second.height_m, noise)
@@ -160,74 +160,14 @@ class _Children(NamedTuple):
     log_weight: Array
 
 
-def moved_on(mean: Array, covariance: Array, before: Numbers, mode: Numbers, drift_m_per_sqrt_s: float) -> None:
-    """Move filters on by a second, in place.
-
-    Parameters
-    ----------
-    mean, covariance
-        (n, 3) and (n, 3, 3), height (m), its error (m) and vertical speed (m/s).
-    before, mode
-        (n,) mode of the second before and of this one.
-    drift_m_per_sqrt_s
-        Random walk of the error, m per root second.
-    """
-    moving, changes = modes.is_moving(mode), before != mode
-    ends, begins, goes_on = modes.is_moving(before) & changes, moving & changes, moving & ~changes
-    for places, by in ((ends, _HALF_A_SECOND), (goes_on, move_matrices(modes.STEADINESS[mode[goes_on]]))):
-        mean[places] = np.matmul(by, mean[places][:, :, None])[:, :, 0]
-        covariance[places] = by @ covariance[places] @ np.swapaxes(by, -1, -2)
-    still = ~goes_on
-    mean[still, _SPEED] = 0.0
-    covariance[still, _SPEED, :] = 0.0
-    covariance[still, :, _SPEED] = 0.0
-    chosen = mode[begins]
-    _add_speed(mean, covariance, begins, modes.SPEED_MPS[chosen], modes.SIGMA_SPEED_MPS[chosen] ** 2)
-    chosen = mode[goes_on]
-    steadiness = modes.STEADINESS[chosen]
-    pull_mps = (1.0 - steadiness) * modes.SPEED_MPS[chosen]
-    _add_speed(mean, covariance, goes_on, pull_mps, (1.0 - steadiness**2) * modes.SIGMA_SPEED_MPS[chosen] ** 2)
-    covariance[:, _ERROR, _ERROR] += drift_m_per_sqrt_s**2
-
-
-def jump_variances_m2(parameters: HeightParams) -> Array:
-    """Return what each case adds to the variance of the error of the pressure (cases,), m²."""
-    return np.array([0.0, parameters.sigma_jump_m**2, parameters.sigma_great_jump_m**2])
-
-
-def _add_speed(mean: Array, covariance: Array, places: NDArray[np.bool_], speed_mps: Array, variance: Array) -> None:
-    """Add to the speed what changes within the second, evenly: it moves the height by half of itself."""
-    mean[places] += speed_mps[:, None] * _EVENLY
-    covariance[places] += variance[:, None, None] * np.outer(_EVENLY, _EVENLY)
-
-
-def move_matrices(steadiness: Array) -> Array:
-    """Return the matrices (n, 3, 3) that move height, error and speed on by a second of a move."""
-    by = np.tile(_EACH, (len(steadiness), 1, 1))
-    by[:, _HEIGHT, _SPEED] = 0.5 * (1.0 + steadiness)
-    by[:, _SPEED, _SPEED] = steadiness
-    return by
-
-
-def measure_height(mean: Array, covariance: Array, height_m: float, noise_m2: Array) -> Array:
-    """Update filters (n,) by the height in a second, in place; return the log likelihoods, up to a constant."""
-    innovation = height_m - mean[:, _HEIGHT] - mean[:, _ERROR]
-    shared = covariance[:, :, _HEIGHT] + covariance[:, :, _ERROR]
-    spread = shared[:, _HEIGHT] + shared[:, _ERROR] + noise_m2
-    gain = shared / spread[:, None]
-    mean += gain * innovation[:, None]
-    covariance -= gain[:, :, None] * shared[:, None, :]
-    return np.asarray(-0.5 * (innovation**2 / spread + np.log(spread)))
-
-
 def _distinct(children: _Children) -> Numbers:
     """Return the places of the most probable children, the best one first, each mode, height and speed once."""
     order = np.argsort(-children.log_weight, kind="stable")[:_CONSIDERED]
     order = order[children.log_weight[order] > children.log_weight[order[0]] + _NEGLIGIBLE_LOG]
     cells = zip(
         children.mode[order].tolist(),
-        np.round(children.mean[order, _HEIGHT] / _SAME_M).tolist(),
-        np.round(children.mean[order, _SPEED] / _SAME_MPS).tolist(),
+        np.round(children.mean[order, HEIGHT] / _SAME_M).tolist(),
+        np.round(children.mean[order, SPEED] / _SAME_MPS).tolist(),
         strict=True,
     )
     first: dict[tuple[int, float, float], int] = {}

@@ -8,10 +8,10 @@ from pdr_est.frames import Array
 from pdr_est.front_end.height import vertical_moves as modes
 from pdr_est.front_end.height.height_params import HeightParams
 from pdr_est.front_end.height.level_watch import LevelWatch
-from pdr_est.front_end.height.move_hypotheses import Numbers
 from pdr_est.front_end.height.rise_smoothing import smoothed_heights
 from pdr_est.front_end.height.seconds import noise_of, seconds_of
 from pdr_est.front_end.height.storeys import Rise, floor_numbers
+from pdr_est.front_end.height.vertical_filter import Numbers
 from pdr_est.types.height import HeightProfile, MoveKind, VerticalMove
 from pdr_est.types.recording import Signal
 

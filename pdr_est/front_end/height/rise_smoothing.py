@@ -7,14 +7,9 @@ import numpy as np
 from pdr_est.frames import Array
 from pdr_est.front_end.height import vertical_moves as modes
 from pdr_est.front_end.height.height_params import HeightParams
-from pdr_est.front_end.height.move_hypotheses import (
-    PathOfModes,
-    jump_variances_m2,
-    measure_height,
-    move_matrices,
-    moved_on,
-)
+from pdr_est.front_end.height.move_hypotheses import PathOfModes
 from pdr_est.front_end.height.seconds import Second
+from pdr_est.front_end.height.vertical_filter import jump_variances_m2, measure_height, move_matrices, move_on
 
 _BESIDE_S = 120  # seconds beside a move that tell its rise; the error wanders too much for more
 _TINY_M2 = 1e-9  # makes covariances regular: on the level the height is known to be constant
@@ -69,7 +64,7 @@ def _smoothed(
         mode = path.mode[k : k + 1]
         if k:
             moves[k] = _transition(int(before[0]), int(mode[0]))
-            moved_on(now, spread, before, mode, parameters.drift_m_per_sqrt_s)
+            move_on(now, spread, before, mode, parameters.drift_m_per_sqrt_s)
             spread[0, 1, 1] += jump_m2[path.case[k]]
         expected[k], expected_covariance[k] = now[0], spread[0]
         if k and np.isfinite(second.height_m):

@@ -16,7 +16,7 @@ _NOISE_FROM_DIFFERENCES = 1.4826 / np.sqrt(6.0)  # of white noise, from the medi
 
 
 class Second(NamedTuple):
-    """What is measured in one second.
+    """Measurements of one second.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ from pdr_est.types.height import MoveKind
 
 @dataclass(frozen=True)
 class _Pace:
-    """What a kind of move is like.
+    """Properties of a kind of move.
 
     Attributes
     ----------
