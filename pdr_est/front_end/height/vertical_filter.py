@@ -42,11 +42,11 @@ def move_on(mean: Array, covariance: Array, before: Numbers, mode: Numbers, drif
     covariance[still, SPEED, :] = 0.0
     covariance[still, :, SPEED] = 0.0
     chosen = mode[begins]
-    _add_speed(mean, covariance, begins, modes.SPEED_MPS[chosen], modes.SIGMASPEED_MPS[chosen] ** 2)
+    _add_speed(mean, covariance, begins, modes.SPEED_MPS[chosen], modes.SIGMA_SPEED_MPS[chosen] ** 2)
     chosen = mode[goes_on]
     steadiness = modes.STEADINESS[chosen]
     pull_mps = (1.0 - steadiness) * modes.SPEED_MPS[chosen]
-    _add_speed(mean, covariance, goes_on, pull_mps, (1.0 - steadiness**2) * modes.SIGMASPEED_MPS[chosen] ** 2)
+    _add_speed(mean, covariance, goes_on, pull_mps, (1.0 - steadiness**2) * modes.SIGMA_SPEED_MPS[chosen] ** 2)
     covariance[:, ERROR, ERROR] += drift_m_per_sqrt_s**2
 
 
