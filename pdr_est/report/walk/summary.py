@@ -21,6 +21,7 @@ from pdr_est.report.walk.descriptions import describe_directions, describe_frame
 from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.types.clock import utc_date
 from pdr_est.types.ground_truth import Truth
+from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.track import Track
@@ -95,6 +96,7 @@ def summarise(
         "start": start,
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
         "fixes": _fixes(walk.fixes, walk.fixes_used, start),
+        "height": _height(track.height),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
@@ -129,6 +131,19 @@ def to_json(value: Any) -> Any:
     if value is None or isinstance(value, str | int):
         return value
     raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
+
+
+def _height(profile: HeightProfile | None) -> Json | None:
+    """Describe the floors that were visited, and how the walker changed them."""
+    if profile is None:
+        return None
+    return {
+        "floors": sorted(set(profile.floor.tolist())),
+        "lowest_m": float(profile.height_m.min()),
+        "highest_m": float(profile.height_m.max()),
+        "floor_probability": float(profile.floor_probability.min()),
+        "moves": [asdict(move) | {"kind": move.kind.value} for move in profile.moves],
+    }
 
 
 def _doubts(walk: SmoothedWalk) -> Json:
