@@ -4,9 +4,9 @@
 
 DIR holds the data sets, laid out as `pdr-est benchmark` wants them; used are the Oxford step-counting recordings. The
 paper put its two baselines, made for a sensor on the foot, on the phone without suiting them to it. They are here in
-both ways: with our defaults, which suit a phone, and untuned. Untuned, `local-variance` has window and thresholds of
-the paper's reference [10] (Jimenez et al. 2009), no filter to speak of and no least time between steps;
-`zero-crossing` has neither a dead band nor a least time. Prints the table and writes it to experiments/results/ and
+both ways: with our defaults, which suit a phone, and untuned. Untuned, `local-variance` has the window and thresholds
+that public programs of the method have for the foot (we do not have the text of the paper's reference [10]), no filter
+to speak of and no least time between steps; `zero-crossing` has neither a dead band nor a least time. Prints the table and writes it to experiments/results/ and
 experiments/README.md.
 """
 
@@ -25,7 +25,7 @@ from pdr_est.front_end.steps.local_variance import LocalVarianceParams
 from pdr_est.front_end.steps.zero_crossing import ZeroCrossingParams
 
 MARK = "<!-- uptime table 3 -->"
-FOOT_WINDOW_S, FOOT_SWING_MPS2, FOOT_STANCE_MPS2 = 0.31, 2.0, 1.0  # of [10]: 31 samples at 100 Hz, section III
+FOOT_WINDOW_S, FOOT_SWING_MPS2, FOOT_STANCE_MPS2 = 0.31, 2.0, 1.0  # 31 samples at 100 Hz
 UNTUNED = {
     "local-variance, untuned": StepsParams(
         detector="local-variance",

@@ -1,4 +1,4 @@
-"""Rides: the vehicle's motion is a real one, shakes as published, and takes the walker along."""
+"""Rides: the vehicle's motion is a real one, shakes as its road and springs say, and takes the walker along."""
 
 from dataclasses import replace
 from operator import attrgetter

@@ -1,15 +1,15 @@
 """Detect steps by local variance, a baseline of UPTIME.
 
-The magnitude of the acceleration is filtered and its variance over a sliding window is compared with thresholds. In
-[10] (a sensor on the foot) the standard deviation tells the swing of the foot, above 2 m/s^2, from its stance, below
-1 m/s^2, and a step is a swing that ends in a stance.
+The magnitude of the acceleration is filtered and its variance over a sliding window is compared with a threshold. The
+method comes from sensors on the foot ([10]). We do not have the text of [10]; public programs of the method take the
+standard deviation in a window of 15 samples to either side, above 2 m/s^2 for the swing of the foot and below 1 m/s^2
+for its stance, and count swings with a stance soon after.
 
-UPTIME names neither filter nor window nor thresholds. Ours: a Butterworth low-pass of second order. Deviations from
-[10]: (1) The window ends at the current sample, and its delay is taken off the time of a step. (2) The variance is
-about the window's own mean. (3) The step is where the stance begins; [10] puts it at the end of the swing and wants
-the stance to begin soon after. (4) The defaults are tuned on phones; the values of [10] miss most of their steps. (5)
-A stance soon after a step is not a step: the variance of the smooth wave that a phone away from the foot feels has
-two peaks per step.
+UPTIME names neither filter nor window nor thresholds. Ours: (1) A Butterworth low-pass of second order. (2) The
+window ends at the current sample, and its delay is taken off the time of a step. (3) The variance is about the
+window's own mean. (4) The step is where the stance begins. (5) The defaults are tuned on phones; with thresholds for
+the foot the method misses most of their steps. (6) A stance soon after a step is not a step: the variance of the
+smooth wave that a phone away from the foot feels has two peaks per step.
 
 References
 ----------

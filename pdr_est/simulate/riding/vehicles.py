@@ -1,4 +1,8 @@
-"""Vehicles, lifts and escalators: how they drive, and how they shake."""
+"""Vehicles, lifts and escalators: how they drive, and how they shake.
+
+The unevenness of roads and the springs of the car are published; every other value is ours, chosen as typical, except
+where its vehicle says what it was measured on.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -15,8 +19,9 @@ class SuspensionParams:
     """Parameters of a body on springs above a wheel or bogie on springs, all over the mass of the body."""
 
     spring_ps2: Positive = 63.3
-    """Stiffness of the body's springs, 1/s^2. The default values are the "golden car" that defines the International
-    Roughness Index (Sayers 1995): the body bounces at 1.2 Hz, the wheel at 11 Hz.
+    """Stiffness of the body's springs, 1/s^2. The default values are those of the quarter of a car with which programs
+    compute the International Roughness Index (Sayers, Gillespie and Queiroz 1986): the body bounces at 1.2 Hz, the
+    wheel at 11 Hz.
     """
     damper_ps: Positive = 6.0
     """Damping between body and wheel, 1/s."""
@@ -72,17 +77,16 @@ class VehicleParams:
     """Frequency of that vibration, Hz."""
 
 
-# Unevenness by ISO 8608: the geometric mean of good roads (class B), and their boundary to average ones (C).
+# Unevenness by ISO 8608: good roads (class B) are from 32e-6 to 128e-6 m^3, average ones (C) above; limits as in
+# Agostinacchio, Ciampa and Olita 2014. Here the geometric mean of class B, and its boundary to class C.
 _ROAD_B_M3, _ROAD_BC_M3 = 64e-6, 128e-6
 
 
 def bus(roughness_m3: float = _ROAD_BC_M3) -> VehicleParams:
     """Return a city bus on an ordinary street.
 
-    The air springs let the body bounce at 1.2 Hz with 0.2 of the critical damping and the wheels hop at 10 Hz, within
-    the ranges of Gillespie (Fundamentals of Vehicle Dynamics, 1992). The vertical vibration of 0.55 m/s^2 is in the
-    middle of what ISO 2631-1 says of passengers (annex C: "a little" to "fairly" uncomfortable, 0.3 to 1 m/s^2).
-    Speeds, stops and accelerations are ours, the latter below the 1.5 m/s^2 at which standing passengers stumble.
+    The air springs let the body bounce at 1.2 Hz with 0.2 of the critical damping, and the wheels hop at 10 Hz; on
+    this road the body shakes vertically by 0.55 m/s^2. All of it is ours, as are speeds, stops and accelerations.
     """
     return VehicleParams(
         name="bus",
@@ -106,7 +110,7 @@ def bus(roughness_m3: float = _ROAD_BC_M3) -> VehicleParams:
 
 
 def car(roughness_m3: float = _ROAD_B_M3) -> VehicleParams:
-    """Return a car in a town: the "golden car" on a good road; its speed, stops and accelerations are ours."""
+    """Return a car in a town, on a good road; all but springs and road is ours."""
     return VehicleParams(
         name="car",
         speed_mps=14.0,
@@ -131,9 +135,8 @@ def car(roughness_m3: float = _ROAD_B_M3) -> VehicleParams:
 def train(roughness_m3: float = _ROAD_B_M3) -> VehicleParams:
     """Return a suburban train on a track that is as uneven as a good road.
 
-    Secondary springs under the body: 1.1 Hz with 0.17 of the critical damping; bogies on primary springs: 7 Hz, both
-    usual for passenger coaches (Wickens, Fundamentals of Rail Vehicle Dynamics, 2003). Trains sway more sideways than
-    road vehicles do for their bounce.
+    Secondary springs under the body let it bounce at 1.1 Hz with 0.17 of the critical damping, and the bogies on
+    primary springs at 7 Hz. For their bounce, trains sway more sideways here than road vehicles do. All of it is ours.
     """
     return VehicleParams(
         name="train",
@@ -157,7 +160,7 @@ def train(roughness_m3: float = _ROAD_B_M3) -> VehicleParams:
 def lift() -> VehicleParams:
     """Return the lift of an office, which goes up and down.
 
-    Speed, acceleration and jerk (1 m/s^3) are usual ones. It vibrates by 0.1 m/s^2, so that a phone in the hand has
+    Speed, acceleration and jerk (1 m/s^3) are ours. It vibrates by 0.1 m/s^2, so that a phone in the hand has
     about the 0.14 m/s^2 over 2 Hz that were recorded in one real lift (data set ipin21).
     """
     return VehicleParams(
@@ -174,9 +177,9 @@ def lift() -> VehicleParams:
 
 
 def escalator() -> VehicleParams:
-    """Return an escalator at 0.5 m/s and 30 degrees (EN 115-1), on which the walker stands.
+    """Return an escalator at 0.5 m/s and 30 degrees, on which the walker stands.
 
-    Steps and chain shake it by about 0.2 m/s^2 (ISO 18738-2 tells how that is measured; the value is ours).
+    Steps and chain shake it by about 0.2 m/s^2. The values are ours.
     """
     return VehicleParams(
         name="escalator",

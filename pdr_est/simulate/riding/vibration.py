@@ -23,9 +23,8 @@ _SMOOTH_HZ = (2.0, 20.0)  # guides, chains and motors: no body on springs
 _TONES = 120
 _SWAY_DAMPING = 0.25
 
-# Frequency, Hz, and damping of the trunk on seat or legs. Vertically after Griffin (Handbook of Human Vibration,
-# 1990) and ISO 5982, which have the main resonance at 4 to 5.5 Hz with a gain of 1.5 to 2. Horizontally the seat or
-# the legs pass what is slower than 1.5 to 2 Hz.
+# Frequency, Hz, and damping of the trunk on seat or legs; ours, typical. Vertically the main resonance is at about 5
+# Hz, with a gain of 1.5 to 2. Horizontally the seat or the legs pass what is slower than 1.5 to 2 Hz.
 _TRUNK_VERTICAL = {"sitting": (4.5, 0.35), "standing": (5.5, 0.35)}
 _TRUNK_HORIZONTAL = {"sitting": (2.0, 0.5), "standing": (1.5, 0.5)}
 
