@@ -81,7 +81,7 @@ TASKS: tuple[Task, ...] = (
         ),
         minutes=30.0,
     ),
-    simulated("psp_table1", 12.0),
+    simulated("psp_table1", 25.0),
     simulated("psp_figure3", 1.0, ".png", reads=("results/psp_table1.json",)),
     simulated("robust_dr_figure4", 50.0, ".png"),
     simulated("mmpdr_causes", 5.0),
@@ -139,6 +139,7 @@ NOT_RUN = {
     "all",
     "regeneration",
     "recorded",  # parts of the scripts
+    "overview",
     "limb_statistics",
     "mmpdr_walks",
     "benchmark_tables",  # a task for each suite

@@ -4,7 +4,7 @@
 
 DIR holds `motionsense` and `sisfall`. No recording with a change exists, so the steps of two recordings of one person
 are joined: some of one gait, then some of the other. Nothing leads up to such a change. Writes
-results/gait_changes.txt and the table of experiments/README.md.
+results/gait_changes.txt and the table of experiments/paper-details.md.
 """
 
 import itertools

@@ -1,4 +1,4 @@
-"""Shared parts of the scripts: command line, results/ and the tables of experiments/README.md."""
+"""Shared parts of the scripts: command line, results/, and the tables of README.md and paper-details.md here."""
 
 import argparse
 import json
@@ -14,6 +14,7 @@ from pdr_est.output.file_lock import locked
 
 RESULTS = Path(__file__).parent / "results"
 README = Path(__file__).parent / "README.md"
+DETAILS = Path(__file__).parent / "paper-details.md"
 
 
 def command_line(description: str | None, options: Mapping[str, Any] = MappingProxyType({})) -> Any:
@@ -50,7 +51,7 @@ def write(stem: str, text: str, document: Mapping[str, object] | Sequence[object
     print(text, end="")
 
 
-def write_table(mark: str, table: str, page: Path = README) -> None:
+def write_table(mark: str, table: str, page: Path = DETAILS) -> None:
     """Put a table between the two places of a page that have a mark; other scripts may write others meanwhile."""
     with locked(page):
         before, _, after = page.read_text(encoding="utf-8").split(mark)

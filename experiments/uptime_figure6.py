@@ -5,7 +5,7 @@
 Bars for the three detectors of the paper, its baselines as it had them (untuned, see uptime_table3.py), and `auto`.
 Real: the Oxford step-counting recordings by place of the phone, whose step sizes are not known. Simulated: people who
 walk slowly, as usual and quickly, jog and run, with the phone in the hand and in the pocket; their step sizes are
-known. Writes experiments/results/uptime_figure6.png, .json and .txt, and the table of experiments/README.md.
+known. Writes experiments/results/uptime_figure6.png, .json and .txt, and the table of experiments/paper-details.md.
 """
 
 from collections.abc import Callable, Mapping, Sequence

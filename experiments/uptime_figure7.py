@@ -13,7 +13,7 @@ only the strides that the benchmark scores are part of the trip.
 shown as it is, and scaled so that the trip's first walk (up to the first stop) is right, which takes the person's
 usual length out.
 
-Writes experiments/results/uptime_figure7.png, .json and .txt, and the table of experiments/README.md.
+Writes experiments/results/uptime_figure7.png, .json and .txt, and the table of experiments/paper-details.md.
 """
 
 from collections.abc import Mapping, Sequence

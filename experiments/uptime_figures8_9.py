@@ -11,7 +11,7 @@ Simulated: the trips of `pdr_est.simulate.uptime_trip` with phones in the hand a
 length (known-distance, phyphox hallway loop) and outdoor walks with GPS as in figure 8 (phone-gps); the length of a
 GPS track is that of its chords of 5 s. The error is that of the distance, in percent, as in the paper. Where the gait
 of each step is known, in the simulation, the share of steps is told that are rightly labelled as walking or faster.
-Writes experiments/results/uptime_figures8_9.png, .json and .txt, and the table of experiments/README.md.
+Writes experiments/results/uptime_figures8_9.png, .json and .txt, and the table of experiments/paper-details.md.
 """
 
 from collections.abc import Mapping, Sequence

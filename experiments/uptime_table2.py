@@ -5,7 +5,7 @@
 DIR holds `motionsense` (phone in the front trouser pocket) and `sisfall` (box at the belt). No length or speed is
 known there: the numbers show whether the models are plausible, not whether they are right. Everybody counts as 1.73 m
 tall. The gaits of the steps are those of the shipped model, which has seen these people. Prints the table and writes
-it to experiments/results/ and experiments/README.md.
+it to experiments/results/ and experiments/paper-details.md.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

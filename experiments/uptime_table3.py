@@ -5,9 +5,9 @@
 DIR holds the data sets, laid out as `pdr-est benchmark` wants them; used are the Oxford step-counting recordings. The
 paper put its two baselines, made for a sensor on the foot, on the phone without suiting them to it. They are here in
 both ways: with our defaults, which suit a phone, and untuned. Untuned, `local-variance` has the window and thresholds
-that public programs of the method have for the foot (we do not have the text of the paper's reference [10]), no filter
-to speak of and no least time between steps; `zero-crossing` has neither a dead band nor a least time. Prints the table and writes it to experiments/results/ and
-experiments/README.md.
+that public programs of the method have for the foot (we do not have the text of the paper's reference [10]), no
+filter to speak of and no least time between steps; `zero-crossing` has neither a dead band nor a least time. Prints
+the table and writes it to experiments/results/ and experiments/paper-details.md.
 """
 
 from collections.abc import Mapping, Sequence

@@ -11,7 +11,7 @@ with the same kernel, no weights, trained on all steps of the set. The paper doe
 test. So there are two ways: a random tenth of the steps is tested, whose neighbours were learnt from, or a person is,
 of whom nothing was. `stride` is the same with our six features of a stride. `uptime` and `auto` are the models that
 come with the package, for people who were left out of their training on both sets. Prints the matrices and writes
-them to experiments/results/, and the shares to experiments/README.md.
+them to experiments/results/, and the shares to experiments/paper-details.md.
 """
 
 from collections.abc import Mapping

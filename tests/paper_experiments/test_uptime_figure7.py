@@ -67,4 +67,4 @@ def test_the_trip_of_the_paper_is_cut_at_its_stops_and_fixed_lengths_lose_where_
 def test_the_recorded_table_is_that_of_the_recorded_numbers(figure7) -> None:
     document = json.loads((SCRIPT.parent / "results/uptime_figure7.json").read_text(encoding="utf-8"))
     assert list(document) == ["gaits", "simulated", "known-distance", "stride-length"]
-    assert figure7.as_markdown(document) in (SCRIPT.parent / "README.md").read_text(encoding="utf-8")
+    assert figure7.as_markdown(document) in (SCRIPT.parent / "paper-details.md").read_text(encoding="utf-8")

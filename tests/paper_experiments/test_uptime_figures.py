@@ -11,7 +11,7 @@ from pdr_est.simulate import StepSchedule, simulate_walk, uptime_trip
 from pdr_est.types.steps import Gait
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
-README = (EXPERIMENTS / "README.md").read_text(encoding="utf-8")
+DETAILS = (EXPERIMENTS / "paper-details.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def test_figure_6_as_recorded(scripts) -> None:
     }
     text = (EXPERIMENTS / "results/uptime_figure6.txt").read_text(encoding="utf-8")
     assert scripts["figure6"]["as_text"](errors) == text
-    assert scripts["figure6"]["as_markdown"](errors) in README
+    assert scripts["figure6"]["as_markdown"](errors) in DETAILS
     for row in errors.values():
         assert row.keys() == {"step_m", *scripts["figure6"]["SHOWN"]}
     assert errors["simulated, in hand, running"]["uptime-fsm"] < 3.0
@@ -87,6 +87,6 @@ def test_figures_8_and_9_as_recorded(scripts) -> None:
         }
         for group, row in document["error_percent"].items()
     }
-    assert figures["as_markdown"](errors) in README
+    assert figures["as_markdown"](errors) in DETAILS
     assert np.mean(np.abs(document["error_percent"]["compound, in hand"]["default"])) < 8.0
     assert min(rights["compound, in hand"]["default"]) > 98.5

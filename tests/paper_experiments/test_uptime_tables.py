@@ -15,7 +15,7 @@ from pdr_est.types.steps import Gait
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 TABLE_2 = runpy.run_path(str(EXPERIMENTS / "uptime_table2.py"))
 TABLE_4 = runpy.run_path(str(EXPERIMENTS / "uptime_table4.py"))
-README = (EXPERIMENTS / "README.md").read_text(encoding="utf-8")
+DETAILS = (EXPERIMENTS / "paper-details.md").read_text(encoding="utf-8")
 
 
 def recorded(name):
@@ -45,7 +45,7 @@ def test_table_2_averages_over_the_recordings_of_a_group():
 def test_table_2_as_recorded():
     document, text = recorded("uptime_table2")
     assert TABLE_2["as_text"](document) == text
-    assert TABLE_2["as_markdown"](document) in README
+    assert TABLE_2["as_markdown"](document) in DETAILS
     assert [row["recordings"] for row in document] == [36, 16, 12, 12, 12, 12]
     for row in document:
         assert row["paper_m"] == TABLE_2["PAPER_M"][dict(TABLE_2["GROUPS"].values())[row["what"]]]
@@ -94,7 +94,7 @@ def test_table_4_as_recorded():
         table.append(TABLE_4["Matrix"](entry["who"], entry["split"], entry["where"], counts))
     assert TABLE_4["as_text"](table) == text
     assert TABLE_4["as_document"](table) == document
-    assert TABLE_4["as_markdown"](table) in README
+    assert TABLE_4["as_markdown"](table) in DETAILS
     sets = TABLE_4["SETS"]
     assert [(matrix.who, matrix.split, matrix.where) for matrix in table] == [
         ("paper", "not said", "hand, pocket"),

@@ -108,16 +108,22 @@ def test_legs_of_the_papers_gyroscope_swing_in_a_plane_by_what_is_said() -> None
         walks = psp_walks("I", 25, legs=legs)  # type: ignore[arg-type]
         assert [walk.seed for walk in walks] == [walk.seed for walk in psp_walks("I")]
         carried[legs] = [walk.devices[0].carry for walk in walks]
-        assert all(walk.devices[0].sensors.gyroscope.bias_std == PSP_GYROSCOPE_BIAS_RADPS for walk in walks)
+        biases = {walk.devices[0].sensors.gyroscope.bias for walk in walks}
+        assert len(biases) == 1  # one phone
+        np.testing.assert_allclose(np.abs(biases.pop()), PSP_GYROSCOPE_BIAS_RADPS)
     swing = {carry.amplitude_rad for carry in carried["paper"] if isinstance(carry, PocketPhone)}
     assert len(swing) == 5
-    assert 0.207 <= min(swing) < max(swing) <= 0.253
+    assert 0.198 <= min(swing) < max(swing) <= 0.242
     for carry in (*carried["paper"], *carried["planar"]):
         assert isinstance(carry, PocketPhone)
         assert carry.twist_rad == carry.spread_rad == 0.0
+    for own, real in zip(carried["paper"], carried["circling"], strict=True):  # its jolts are those of real pockets
+        assert isinstance(own, PocketPhone)
+        assert isinstance(real, PocketPhone)
+        assert (own.shock_rad, own.give_rad, own.unrest_radps) == (real.shock_rad, real.give_rad, real.unrest_radps)
     assert all(carry.twist_rad > 0.0 for carry in carried["circling"] if isinstance(carry, PocketPhone))
     (small,) = psp_walks("I", 1, gyroscope_bias_radps=1e-3)
-    assert small.devices[0].sensors.gyroscope.bias_std == 1e-3
+    np.testing.assert_allclose(np.abs(small.devices[0].sensors.gyroscope.bias), 1e-3)
 
 
 def test_the_y_axis_of_the_papers_legs_shows_98_percent_of_a_turn() -> None:

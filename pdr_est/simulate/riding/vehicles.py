@@ -19,9 +19,9 @@ class SuspensionParams:
     """Parameters of a body on springs above a wheel or bogie on springs, all over the mass of the body."""
 
     spring_ps2: Positive = 63.3
-    """Stiffness of the body's springs, 1/s^2. The default values are those of the quarter of a car with which programs
-    compute the International Roughness Index (Sayers, Gillespie and Queiroz 1986): the body bounces at 1.2 Hz, the
-    wheel at 11 Hz.
+    """Stiffness of the body's springs, 1/s^2. The default values are those of the quarter of a car with which
+    programs compute the International Roughness Index (Sayers, Gillespie and Queiroz 1986): the body bounces at 1.2
+    Hz, the wheel at 11 Hz.
     """
     damper_ps: Positive = 6.0
     """Damping between body and wheel, 1/s."""
@@ -136,7 +136,7 @@ def train(roughness_m3: float = _ROAD_B_M3) -> VehicleParams:
     """Return a suburban train on a track that is as uneven as a good road.
 
     Secondary springs under the body let it bounce at 1.1 Hz with 0.17 of the critical damping, and the bogies on
-    primary springs at 7 Hz. For their bounce, trains sway more sideways here than road vehicles do. All of it is ours.
+    primary springs at 7 Hz. For their bounce, trains sway more sideways here than road vehicles do. All is ours.
     """
     return VehicleParams(
         name="train",
