@@ -81,7 +81,7 @@ TASKS: tuple[Task, ...] = (
         ),
         minutes=30.0,
     ),
-    simulated("psp_table1", 25.0),
+    simulated("psp_table1", 30.0),
     simulated("psp_figure3", 1.0, ".png", reads=("results/psp_table1.json",)),
     simulated("robust_dr_figure4", 50.0, ".png"),
     simulated("mmpdr_causes", 5.0),

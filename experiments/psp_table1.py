@@ -1,6 +1,6 @@
 """Table I of PSP (Hong et al. 2013) on simulated walks: distance of the end of a closed walk from its start.
 
-    python experiments/psp_table1.py [--populations 2] [--training 4] [--seed 11]
+    python experiments/psp_table1.py [--populations 2] [--training 8] [--seed 11]
 
 Five simulated people carry a phone nearly straight in the left or right front pocket, either way round trajectory I
 (204.0 m, straight parts only) and II (290.0 m, with a circle walked five times): 25 tests on each (`psp_walks`), and
@@ -102,7 +102,7 @@ class Returns:
 
 def main() -> None:
     """Choose the increments, simulate, estimate, print and write the table."""
-    arguments = command_line(__doc__, {"--populations": 2, "--training": 4, "--seed": 11})
+    arguments = command_line(__doc__, {"--populations": 2, "--training": 8, "--seed": 11})
     training = {
         trajectory: [
             walk for seed in range(arguments.training) for walk in walks(trajectory, "paper", _trained(seed))
