@@ -86,6 +86,7 @@ def inline_json(value: Any) -> Markup:
 @cache
 def _asset(library: str, name: str) -> str:
     text = (files("pdr_est.report") / "assets" / library / name).read_text(encoding="utf-8")
+    text = text.split("//# sourceMappingURL=")[0]  # of a file that is not there
     licence = (files("pdr_est.report") / "assets" / library / "LICENSE").read_text(encoding="utf-8")
     return f"/*\n{licence.strip()}\n*/\n{text.strip()}\n" if name.endswith(".js") else text.strip()
 

@@ -1,8 +1,8 @@
 /** Draw the line of one device on a Leaflet map, coloured by carrying modes, with its ellipses. */
 'use strict';
 
-const ELLIPSE_APART_PX = 70;
-const MOST_ELLIPSES = 80;
+const ELLIPSE_APART_PX = 90;
+const MOST_ELLIPSES = 40;
 
 /**
  * Create the layers of one device.
@@ -73,20 +73,22 @@ function createDeviceLines(device, panes) {
     regions.setStyle({ color: pale, opacity: 0.5, fillColor: pale, fillOpacity: 0.08 });
   }
 
-  /** Choose poses that are some pixels apart along the track, wider where the regions are large. */
+  /** Choose poses in sight that are some pixels apart along the track, wider where the regions are large. */
   function redrawEllipses(map) {
+    if (!points.length) return;
     const scale = map.options.crs.scale(map.getZoom());
+    const sight = map.getBounds().pad(0.2);
     const outlines = [];
     let way = Infinity;
     let needed = 0;
-    for (let i = poses.length - 1; i >= 0 && outlines.length < MOST_ELLIPSES; i -= 1) {
-      if (i + 1 < poses.length) way += Math.hypot(poses.x_m[i + 1] - poses.x_m[i], poses.y_m[i + 1] - poses.y_m[i]);
-      if (way < needed) continue;
+    for (let i = points.length - 1; i >= 0 && outlines.length < MOST_ELLIPSES; i -= 1) {
+      if (i + 1 < points.length) way += Math.hypot(poses.x_m[i + 1] - poses.x_m[i], poses.y_m[i + 1] - poses.y_m[i]);
+      if (way < needed || !sight.contains(points[i])) continue;
       const outline = ellipseOutline(poses.x_m[i], poses.y_m[i], poses.cxx_m2[i], poses.cxy_m2[i], poses.cyy_m2[i]);
       if (!outline.length) continue;
       outlines.push([outline]);
       way = 0;
-      needed = Math.max(ELLIPSE_APART_PX / scale, Math.sqrt(poses.cxx_m2[i] + poses.cyy_m2[i]));
+      needed = Math.max(ELLIPSE_APART_PX / scale, 2 * Math.sqrt(poses.cxx_m2[i] + poses.cyy_m2[i]));
     }
     regions.setLatLngs(outlines);
   }

@@ -34,7 +34,7 @@ function createTrackMap(element, options = {}) {
   addMapButton(map, '⤢', 'Show the whole track', () => fit());
   addPointerPlace(map);
   wheelWhenPressed(map);
-  map.on('zoomend', () => devices.forEach((one) => one.redrawEllipses(map)));
+  map.on('moveend', () => devices.forEach((one) => one.redrawEllipses(map)));
   map.on('mousemove', (event) => pick(event, false));
   map.on('click', (event) => pick(event, true));
   if (window.ResizeObserver) new ResizeObserver(() => map.invalidateSize({ pan: false })).observe(element);
@@ -77,16 +77,15 @@ function createTrackMap(element, options = {}) {
     L.polyline(points, { ...paneOptions.truth, color: colour, weight: 1.5, dashArray: '6 4' }).addTo(groups.truth);
   }
 
-  /** Draw tracks to compare with, as thin lines: [{name, colour, x_m, y_m}]. */
+  /** Draw tracks to compare with, as thin lines: [{name, colour, x_m, y_m, dashes, weight}], the last two in pixels. */
   function setVariants(variants) {
     marks.variants = variants;
     groups.variants.clearLayers();
     for (const one of variants) {
       const points = Array.from(one.x_m, (x, i) => [one.y_m[i], x]);
-      const style = { ...paneOptions.variants, color: cssColour(one.colour), weight: 2, dashArray: '1 5' };
-      const line = L.polyline(points, style);
-      line.variant = one.name;
-      if (!hidden.has(one.name)) line.addTo(groups.variants);
+      const dashArray = (one.dashes || [1, 5]).join(' ');
+      const style = { ...paneOptions.variants, color: cssColour(one.colour), weight: one.weight || 2, dashArray };
+      if (!hidden.has(one.name)) L.polyline(points, style).addTo(groups.variants);
     }
   }
 
@@ -128,12 +127,12 @@ function createTrackMap(element, options = {}) {
     north = known ? addNorthArrow(map) : null;
   }
 
-  /** Show everything: all poses, fixes and the truth. */
+  /** Show everything: all poses, variants, fixes and the truth. */
   function fit() {
     const bounds = L.latLngBounds([]);
-    for (const { poses } of devices) poses.x_m.forEach((x, i) => bounds.extend([poses.y_m[i], x]));
+    const lines = [...devices.map((one) => one.poses), ...marks.variants, ...(marks.truth ? [marks.truth] : [])];
+    for (const line of lines) Array.from(line.x_m).forEach((x, i) => bounds.extend([line.y_m[i], x]));
     for (const fix of marks.fixes) bounds.extend([fix.y_m, fix.x_m]);
-    if (marks.truth) Array.from(marks.truth.x_m).forEach((x, i) => bounds.extend([marks.truth.y_m[i], x]));
     if (bounds.isValid()) map.fitBounds(bounds.pad(0.08), { maxZoom: 6.5, animate: false });
   }
 

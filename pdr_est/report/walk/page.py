@@ -7,13 +7,28 @@ import yaml
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pdr_est.pipeline import SmoothedWalk
+from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
 from pdr_est.report.plots.mode_style import mode_entry
-from pdr_est.report.walk.panels import time_panels, track_panel
+from pdr_est.report.walk.explorer_data import explorer_data
+from pdr_est.report.walk.fix_residuals import HELD_OUT, fix_residuals
+from pdr_est.report.walk.panels import time_panels, track_panel, truth_points
 from pdr_est.report.walk.summary import Json
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode
 
 NO_VALUE = "–"
+SCRIPTS = (
+    *TRACK_MAP_SCRIPTS,
+    "packed_columns.js",
+    "dom.js",
+    "time_cursor.js",
+    "time_chart.js",
+    "walk_charts.js",
+    "playback_bar.js",
+    "cursor_table.js",
+    "walk_explorer.js",
+)
+"""Scripts of the report in the order in which they run."""
 
 
 def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> str:
@@ -29,6 +44,10 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
         Summary by `summarise` of the same walk and recording.
     """
     told = {finding.words for finding in walk.track.findings}
+    truth, frame = recording.truth.positions, summary["frame"]
+    truth_m = None if truth is None else truth_points(walk.track, truth, frame == "map")
+    residuals = fix_residuals(walk, truth, truth_m)
+    data = explorer_data(walk, residuals, truth_m, north=frame != "own")
     return (
         template_environment()
         .get_template("report.html.j2")
@@ -38,8 +57,12 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
             tiles=_tiles(summary),
             warnings=[words for words in summary["warnings"] if words not in told],
             errors=_flat(summary["errors_against_truth"] or {}),
-            track=track_panel(walk, recording, summary["frame"] == "map", summary["frame"] == "north-up"),
+            track=track_panel(walk, truth, truth_m, frame == "map", frame == "north-up"),
             panels=time_panels(walk),
+            assets=inline_assets(["leaflet", "uplot"], SCRIPTS),
+            data=inline_json(data),
+            held_out=any(one.kind == HELD_OUT for one in residuals),
+            with_fixes=bool(residuals),
             models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
             mode_symbols={mode.name: mode_entry("strip", mode) for mode in CarryingMode},
             config_text=yaml.safe_dump(summary["config"], allow_unicode=True, sort_keys=False, width=100),
