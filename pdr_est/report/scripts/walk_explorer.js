@@ -51,15 +51,20 @@ function makeWalkMap(data, tables, fixes, cursor) {
     kind, source: source[i], ...Object.fromEntries(Object.entries(columns).map(([name, values]) => [name, values[i]])),
   }))));
   map.fit();
+  const background = data.background ? addMapBackground(map.leaflet, data.background) : null;
   cursor.onTime(() => map.setCursor(cursor.time_s));
-  return map;
+  return { show: map.show, leaflet: map.leaflet, background };
 }
 
 /** Fill an element with boxes that show and hide parts of the map. */
 function fillToggles(element, data, map) {
   const add = (words, colour, what) => {
     const box = makeElement('input', { type: 'checkbox', checked: true });
-    box.addEventListener('change', () => map.show(what, box.checked));
+    box.addEventListener('change', () => {
+      if (what !== 'background') map.show(what, box.checked);
+      else if (box.checked) map.background.addTo(map.leaflet);
+      else map.background.remove();
+    });
     const dot = makeElement('span', { className: 'dot' });
     dot.style.background = `var(${colour})`;
     element.append(makeElement('label', {}, box, dot, words));
@@ -68,6 +73,7 @@ function fillToggles(element, data, map) {
   add('95 % regions', '--muted', 'ellipses');
   if (data.fixes.length) add('known positions', '--fix', 'fixes');
   if (data.truth) add('truth', '--ink', 'truth');
+  if (map.background) add('background', '--grid', 'background');
   data.variants.forEach(({ name, colour }) => add(name, colour, name));
 }
 

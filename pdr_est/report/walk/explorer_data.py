@@ -31,6 +31,7 @@ def explorer_data(
     truth_m: Array | None,
     north: bool,
     variants: Mapping[str, Track] | None = None,
+    background: Json | None = None,
 ) -> Json:
     """Collect tracks, signals, fixes and truth of a walk.
 
@@ -46,6 +47,8 @@ def explorer_data(
         True if the y axis points to north.
     variants
         Other tracks of the same walk, in the same frame, by their names.
+    background
+        What lies below the track, as `Background.placed` describes it.
     """
     axis = time_axis(walk)
     names = walk.track.devices
@@ -62,6 +65,7 @@ def explorer_data(
             {"name": name, "colour": f"--{svg.css_name(svg.INK)}"} | _places(track.position_m)
             for name, track in (variants or {}).items()
         ],
+        "background": background,
     }
 
 
@@ -104,7 +108,9 @@ def _signals(device: DeviceWalk, number: int) -> Json:
         "colour": _colour(number),
         "segments": [_segment(*one) for one in _segments(device)],
         "steps_s": pack_column([step.event.time_s for step in device.steps], TIME_STEP_S),
-        "cadence_per_min": pack_column([60.0 * step.frequency_hz or np.nan for step in device.steps], CADENCE_STEP_PER_MIN),
+        "cadence_per_min": pack_column(
+            [60.0 * step.frequency_hz or np.nan for step in device.steps], CADENCE_STEP_PER_MIN
+        ),
         "runs": {
             "begin_s": pack_column([run.begin_s for run in runs], TIME_STEP_S),
             "end_s": pack_column([run.end_s for run in runs], TIME_STEP_S),

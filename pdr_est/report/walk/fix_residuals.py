@@ -65,7 +65,9 @@ def fix_residuals(walk: SmoothedWalk, truth: TruePositions | None, truth_m: Arra
         wander_m2 = np.array([fix.sigma_wander_m for fix in walk.fixes])[:, None, None] ** 2 * np.eye(2)
         covariance_m2 = np.array([fix.covariance_m2 for fix in walk.fixes]) + wander_m2
         sources = [fix.source for fix in walk.fixes]
-        times_s, places_m = (np.array([getattr(fix, name) for fix in walk.fixes]) for name in ("time_s", "position_m"))
+        times_s, places_m = (
+            np.array([getattr(fix, name) for fix in walk.fixes]) for name in ("time_s", "position_m")
+        )
         kind = GIVEN if walk.fixes_used else HELD_OUT
         found.append(_compared(track, kind, sources, times_s, places_m, covariance_m2))
     if truth is not None and truth_m is not None and len(truth_m):

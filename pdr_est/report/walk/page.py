@@ -1,6 +1,6 @@
 """The report of a walk: one HTML file that needs nothing but a browser."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import yaml
@@ -13,13 +13,16 @@ from pdr_est.report.walk.explorer_data import explorer_data
 from pdr_est.report.walk.fix_residuals import HELD_OUT, fix_residuals
 from pdr_est.report.walk.panels import time_panels, track_panel, truth_points
 from pdr_est.report.walk.summary import Json
+from pdr_est.report.walk.track_formats import result_files
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track
 
 NO_VALUE = "–"
 SCRIPTS = (
     *TRACK_MAP_SCRIPTS,
     "packed_columns.js",
+    "map_background.js",
     "dom.js",
     "time_cursor.js",
     "time_chart.js",
@@ -31,7 +34,14 @@ SCRIPTS = (
 """Scripts of the report in the order in which they run."""
 
 
-def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> str:
+def render_report(
+    walk: SmoothedWalk,
+    recording: Recording,
+    summary: Json,
+    variants: Mapping[str, Track] | None = None,
+    background: Json | None = None,
+    image_hosts: Sequence[str] = (),
+) -> str:
     """Render the page as text.
 
     Parameters
@@ -42,12 +52,19 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
         Recording that it was made from.
     summary : dict
         Summary by `summarise` of the same walk and recording.
+    variants : mapping of str to Track or None
+        Other tracks of the walk, in the same frame, by their names.
+    background : dict or None
+        What lies below the track, as `Background.placed` describes it.
+    image_hosts : sequence of str
+        Origins of the background's pictures, if it is loaded from a server.
     """
     told = {finding.words for finding in walk.track.findings}
     truth, frame = recording.truth.positions, summary["frame"]
     truth_m = None if truth is None else truth_points(walk.track, truth, frame == "map")
     residuals = fix_residuals(walk, truth, truth_m)
-    data = explorer_data(walk, residuals, truth_m, north=frame != "own")
+    data = explorer_data(walk, residuals, truth_m, frame != "own", variants, background)
+    assets = inline_assets(["leaflet", "uplot"], SCRIPTS)
     return (
         template_environment()
         .get_template("report.html.j2")
@@ -59,8 +76,11 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
             errors=_flat(summary["errors_against_truth"] or {}),
             track=track_panel(walk, truth, truth_m, frame == "map", frame == "north-up"),
             panels=time_panels(walk),
-            assets=inline_assets(["leaflet", "uplot"], SCRIPTS),
+            assets=assets,
+            policy=assets.policy(*image_hosts),
+            image_hosts=image_hosts,
             data=inline_json(data),
+            files=result_files(summary.get("formats", {"written": ()})["written"]),
             held_out=any(one.kind == HELD_OUT for one in residuals),
             with_fixes=bool(residuals),
             models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),

@@ -7,6 +7,7 @@ from typing import Any
 
 from pdr_est.calibration.profile import Profile
 from pdr_est.config import Config, config_to_dict
+from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_errors
 from pdr_est.evaluate.time_association import associate
 from pdr_est.evaluate.trajectories.scores import consistency_metrics
@@ -15,13 +16,16 @@ from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.steps_table import write_steps_csv
 from pdr_est.module_loading import loading_modules
 from pdr_est.output.atomic_output import write_text
-from pdr_est.pipeline import SmoothedWalk
+from pdr_est.pipeline import SmoothedWalk, estimate_tracks
+from pdr_est.report.background.kinds import Background
+from pdr_est.report.background.placement import MapPlacement, map_placement
 from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
-from pdr_est.report.walk.earth_placement import place_on_earth
+from pdr_est.report.walk.earth_placement import EarthPlacement, place_on_earth
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.report.walk.track_formats import WrittenTrack, write_track_formats
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
+from pdr_est.types.track import Track
 
 
 def write_results(
@@ -33,6 +37,7 @@ def write_results(
     profile: Profile | None = None,
     with_report: bool = True,
     formats: Sequence[str] | None = None,
+    background: Background | None = None,
 ) -> Json:
     """Write track.csv, steps.csv, summary.json, report.html, and the track in formats for other programs.
 
@@ -54,6 +59,8 @@ def write_results(
         False to leave out report.html, whose pictures take longer than all the rest.
     formats : sequence of str or None
         Formats of the track, names of `TRACK_FORMATS`; None for the default.
+    background : Background or None
+        What lies below the track on the map of the report; a warning says so if it cannot be placed.
 
     Returns
     -------
@@ -78,11 +85,35 @@ def write_results(
         profile=profile,
         gait_model_sha256=_gait_digest(config),
     )
-    summary |= _write_tracks(folder, walk, recording, config, summary["frame"], formats)
+    earth = place_on_earth(walk.track, summary["frame"], recording, config.fixes)
+    summary |= _write_tracks(folder, walk, recording, earth, formats)
+    below = None
+    if background is not None:
+        placement = map_placement(walk.track, summary["frame"], recording, earth)
+        below, words = _placed(background, placement, walk)
+        summary["warnings"] += words
     write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     if with_report:
-        _write_report(folder / "report.html", walk, recording, summary)
+        hosts = () if background is None or below is None else background.image_hosts
+        _write_report(folder / "report.html", walk, recording, summary, _variants(walk, config), below, hosts)
     return summary
+
+
+def _placed(background: Background, placement: MapPlacement, walk: SmoothedWalk) -> tuple[Json | None, list[str]]:
+    """Place the background below the track; return what the page draws, and the reason if it cannot be placed."""
+    points_m = walk.track.position_m
+    try:
+        return background.placed(placement, points_m.min(axis=0), points_m.max(axis=0)), []
+    except RecordingError as error:  # only known after the long work, whose results are worth having
+        return None, [str(error)]
+
+
+def _variants(walk: SmoothedWalk, config: Config) -> dict[str, Track]:
+    """Reckon the track without the fixes, which only align it, so that the map shows what they changed."""
+    if not walk.fixes or not walk.fixes_used:
+        return {}
+    track = estimate_tracks(walk.devices, config.with_estimator("dead-reckoning"), walk.fixes)
+    return {"dead reckoning": track.of_device(track.devices[-1])}
 
 
 def _gait_digest(config: Config) -> str | None:
@@ -94,23 +125,29 @@ def _write_tracks(
     folder: Path,
     walk: SmoothedWalk,
     recording: Recording,
-    config: Config,
-    frame: str,
+    earth: EarthPlacement,
     formats: Sequence[str] | None,
 ) -> Json:
     """Write the tables of track and steps, and the track for other programs; return what the summary says of it."""
     walk.track.to_csv(folder / "track.csv")
     write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
-    earth = place_on_earth(walk.track, frame, recording, config.fixes)
     found = write_track_formats(WrittenTrack(walk.track, earth, recording, walk.fixes), folder, formats=formats)
     return {"on_earth": {"placed": earth.origin is not None, "meaning": earth.meaning}, "formats": found}
 
 
-def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json) -> None:
+def _write_report(
+    path: Path,
+    walk: SmoothedWalk,
+    recording: Recording,
+    summary: Json,
+    variants: Mapping[str, Track],
+    background: Json | None,
+    image_hosts: Sequence[str],
+) -> None:
     with loading_modules(), loading_matplotlib():
         from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
 
-    write_text(path, render_report(walk, recording, summary))
+    write_text(path, render_report(walk, recording, summary, variants, background, image_hosts))
 
 
 def truth_errors(walk: SmoothedWalk, recording: Recording) -> dict[str, Any] | None:
