@@ -16,7 +16,8 @@ _LIBRARIES: Mapping[str, tuple[str, str]] = {
     "leaflet": ("leaflet.js", "leaflet.css"),
     "uplot": ("uPlot.iife.min.js", "uPlot.min.css"),
 }
-_OF_OTHER_FILES = re.compile(r"[\w-]+:\s*url\([^)]*\);?")  # declarations that refer to pictures which are not used
+# Comments, and declarations that refer to pictures which are not used.
+_NEEDLESS_STYLE = re.compile(r"/\*.*?\*/|[\w-]+:\s*url\([^)]*\);?", re.DOTALL)
 
 TRACK_MAP_SCRIPTS = ("poses.js", "covariance.js", "device_lines.js", "map_controls.js", "track_map.js")
 """Scripts that `createTrackMap` needs, beside the library "leaflet"."""
@@ -73,7 +74,7 @@ def inline_assets(libraries: Sequence[str], scripts: Sequence[str]) -> InlineAss
     texts += [_script(name) for name in scripts]
     styles = [_asset(library, style) for library, (_, style) in zip(libraries, names, strict=True)]
     return InlineAssets(
-        tuple(Markup(text) for text in texts), tuple(Markup(_OF_OTHER_FILES.sub("", text)) for text in styles)
+        tuple(Markup(text) for text in texts), tuple(Markup(_NEEDLESS_STYLE.sub("", text)) for text in styles)
     )
 
 

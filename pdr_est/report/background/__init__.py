@@ -1,4 +1,4 @@
-"""What lies below the track on the map of a report: a picture, lines of a plan, or map tiles.
+"""Backgrounds of the map of a report: a picture, lines of a plan, or map tiles.
 
 * `reading`: recognises and reads what the user names.
 * `kinds`: one record for each kind, and how it is placed in the frame of the track.

@@ -1,4 +1,4 @@
-"""Where the frame of a track lies on the map of the user and on the Earth."""
+"""Place of the frame of a track on the map of the user and on the Earth."""
 
 import math
 from dataclasses import dataclass

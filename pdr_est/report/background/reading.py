@@ -59,9 +59,8 @@ def read_background(text: str) -> Background:
 
 
 def _network_tiles(text: str) -> NetworkTiles:
-    if not re.fullmatch(r"https?://[\w.:-]+/[^\s\"'<>;,]*", text) or not all(
-        part in text for part in ("{z}", "{x}", "{y}")
-    ):
+    complete = all(part in text for part in ("{z}", "{x}", "{y}"))
+    if not complete or not re.fullmatch(r"https?://[\w.:-]+/[^\s\"'<>;,]*", text):
         raise ConfigError(f"{text}: is no address of map tiles: give one like https://…/{{z}}/{{x}}/{{y}}.png")
     return NetworkTiles(text)
 
@@ -99,8 +98,8 @@ def _world_file(path: Path) -> list[float]:
     world = next((one for one in beside if one.is_file()), None)
     if world is None:
         raise RecordingError(
-            f"{path}: where it lies is unknown: write a world file {beside[0].name} beside it with six lines: width of "
-            "a pixel (m), 0, 0, minus its height (m), x and y of the middle of the upper left pixel (m)"
+            f"{path}: where it lies is unknown: write a world file {beside[0].name} beside it with six lines: width "
+            "of a pixel (m), 0, 0, minus its height (m), x and y of the middle of the upper left pixel (m)"
         )
     try:
         numbers = [float(word) for word in _content(world).decode("ascii").split()]

@@ -20,6 +20,7 @@ function createTimeChart(element, spec, cursor) {
   const tables = spec.series.map((one) => [one.time_s, Array.from(one.values, (v) => (Number.isFinite(v) ? v : null))]);
   const data = tables.length === 1 ? tables[0] : uPlot.join(tables);
   const height = spec.height || 130;
+  const line = makeElement('div', { className: 'time-line' });
   const chart = new uPlot({
     width: Math.max(area.clientWidth, 200), height, padding: [spec.top || 6, 22, 0, 0],
     legend: { show: false },
@@ -30,10 +31,9 @@ function createTimeChart(element, spec, cursor) {
     hooks: {
       setScale: [(u, key) => { if (key === 'x') cursor.setWindow(u.scales.x.min, u.scales.x.max); }],
       drawClear: [(u) => { spec.series.forEach((one) => drawIntervals(u, one)); if (spec.under) spec.under(u); }],
-      draw: [(u) => { if (spec.over) spec.over(u); }],
+      draw: [(u) => { if (spec.over) spec.over(u); placeLine(u); }],
     },
   }, data, area);
-  const line = makeElement('div', { className: 'time-line' });
   chart.over.append(line);
   followPointer(chart, cursor);
 
@@ -41,18 +41,22 @@ function createTimeChart(element, spec, cursor) {
     return low === null || low === high ? [cursor.begin_s, cursor.end_s] : [low, high];
   }
 
-  function placeLine() {
-    const x = chart.valToPos(cursor.time_s, 'x');
+  function placeLine(u = chart) {
+    const x = u.valToPos(cursor.time_s, 'x');
     line.style.transform = `translateX(${x}px)`;
-    line.hidden = x < 0 || x > chart.over.clientWidth;
+    line.hidden = x < 0 || x > u.over.clientWidth;
+  }
+
+  function follow() {
+    placeLine();
     readout.textContent = spec.series.map((one) => readoutOf(one, cursor.time_s, spec)).filter(Boolean).join(' · ');
   }
 
-  cursor.onTime(placeLine);
-  cursor.onWindow(() => { chart.setScale('x', { min: cursor.window[0], max: cursor.window[1] }); placeLine(); });
+  cursor.onTime(follow);
+  cursor.onWindow(() => chart.setScale('x', { min: cursor.window[0], max: cursor.window[1] }));
   chart.setScale('x', { min: cursor.window[0], max: cursor.window[1] });
   new ResizeObserver(() => {
-    if (area.clientWidth && area.clientWidth !== chart.width) { chart.setSize({ width: area.clientWidth, height }); placeLine(); }
+    if (area.clientWidth && area.clientWidth !== chart.width) chart.setSize({ width: area.clientWidth, height });
   }).observe(area);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => chart.redraw());
   return chart;

@@ -3,6 +3,9 @@
 
 const MAP_PANES = ['truth', 'ellipses', 'variants', 'bands', 'lines', 'fixes', 'cursor'];
 const NEAR_PX = 40;
+const MOST_FIX_ELLIPSES = 25;
+const MOST_HELD_OUT = 60;
+const NEAR_FIX_S = 2;
 
 /**
  * Create a map of tracks in an element.
@@ -63,8 +66,10 @@ function createTrackMap(element, options = {}) {
 
   /** Draw fixes: [{time_s, x_m, y_m, cxx_m2, cxy_m2, cyy_m2, kind}], kind "given" (filled) or "held out" (hollow). */
   function setFixes(fixes) {
+    const heldOut = fixes.filter((fix) => fix.kind !== 'given').length;
     marks.fixes = fixes;
-    drawFixes(groups.fixes.clearLayers(), paneOptions.fixes, fixes, devices[devices.length - 1]);
+    const drawn = heldOut > MOST_HELD_OUT ? fixes.filter((fix) => fix.kind === 'given') : fixes;  // dense truth is a line
+    drawFixes(groups.fixes.clearLayers(), paneOptions.fixes, drawn, devices[devices.length - 1]);
   }
 
   /** Draw the truth as a dashed line through its points, arrays x_m and y_m; null removes it. */
@@ -102,6 +107,14 @@ function createTrackMap(element, options = {}) {
       const pose = hidden.has(one.name) ? null : one.poses.at(cursor_s);
       if (pose) drawPose(groups.cursor, paneOptions.cursor, pose, visible.ellipses);
     }
+    if (marks.fixes.length > MOST_FIX_ELLIPSES && map.hasLayer(groups.fixes)) drawFixAt(cursor_s);
+  }
+
+  /** Draw the fix at a time with its ellipse, where those of all fixes would hide the track. */
+  function drawFixAt(time_s) {
+    const away = (fix) => Math.abs(fix.time_s - time_s);
+    const nearest = marks.fixes.reduce((best, fix) => (away(fix) < away(best) ? fix : best));
+    if (away(nearest) < NEAR_FIX_S) drawFixes(groups.cursor, paneOptions.cursor, [nearest], devices[devices.length - 1]);
   }
 
   /** Show or hide "ellipses", "fixes", "truth", "variants", or one device or variant by its name. */
@@ -197,21 +210,27 @@ function drawPose(group, pane, pose, withRegion) {
   L.circleMarker([pose.y_m, pose.x_m], style).addTo(group);
 }
 
-/** Draw fixes with their ellipses, and a line from each to where the track was at its time. */
+/** Draw fixes, with their ellipses if they are few, and a line from each to where the track was at its time. */
 function drawFixes(group, pane, fixes, device) {
   for (const fix of fixes) {
     const given = fix.kind === 'given';
     const colour = cssColour(given ? '--fix' : '--ink');
-    const outline = ellipseOutline(fix.x_m, fix.y_m, fix.cxx_m2, fix.cxy_m2, fix.cyy_m2);
-    if (outline.length) {
-      L.polygon(outline, { ...pane, color: colour, weight: 1, opacity: 0.6, fillOpacity: 0.05 }).addTo(group);
-    }
+    if (fixes.length <= MOST_FIX_ELLIPSES) drawFixEllipse(group, pane, fix);
     const pose = device ? device.poses.at(fix.time_s) : null;
     if (pose) {
       L.polyline([[fix.y_m, fix.x_m], [pose.y_m, pose.x_m]], { ...pane, color: colour, weight: 1.5 }).addTo(group);
     }
     const fill = given ? colour : cssColour('--paper');
-    const style = { ...pane, radius: 5, color: given ? cssColour('--paper') : colour, weight: 1.5, fillColor: fill };
+    const radius = fixes.length <= MOST_FIX_ELLIPSES ? 5 : 3.5;
+    const style = { ...pane, radius, color: given ? cssColour('--paper') : colour, weight: 1.5, fillColor: fill };
     L.circleMarker([fix.y_m, fix.x_m], { ...style, fillOpacity: 1 }).addTo(group);
   }
+}
+
+/** Draw the 95 % region of a fix. */
+function drawFixEllipse(group, pane, fix) {
+  const outline = ellipseOutline(fix.x_m, fix.y_m, fix.cxx_m2, fix.cxy_m2, fix.cyy_m2);
+  const colour = cssColour(fix.kind === 'given' ? '--fix' : '--ink');
+  const style = { ...pane, color: colour, weight: 1, opacity: 0.7, fillOpacity: 0.05 };
+  if (outline.length) L.polygon(outline, style).addTo(group);
 }

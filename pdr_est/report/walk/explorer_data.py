@@ -1,6 +1,7 @@
 """The numbers that the scripts of the report draw, as columns for `inline_json`."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,28 @@ from pdr_est.types.track import Track
 
 Json = dict[str, Any]
 
+
+@dataclass(frozen=True)
+class MapExtras:
+    """Parts of the map that follow neither from the walk nor from its recording.
+
+    Attributes
+    ----------
+    variants
+        Other tracks of the walk, in the same frame, by their names.
+    background
+        Description of what lies below the track, by `Background.placed`; None without any.
+    image_hosts
+        Origins of the background's pictures, if it is loaded from a server.
+    """
+
+    variants: Mapping[str, Track] = field(default_factory=dict)
+    background: Json | None = None
+    image_hosts: tuple[str, ...] = ()
+
+
+NO_EXTRAS = MapExtras()
+
 TIME_STEP_S = 1e-3
 PLACE_STEP_M = 1e-3
 ANGLE_STEP_DEG = 0.1
@@ -30,8 +53,7 @@ def explorer_data(
     residuals: Sequence[FixResiduals],
     truth_m: Array | None,
     north: bool,
-    variants: Mapping[str, Track] | None = None,
-    background: Json | None = None,
+    extras: MapExtras,
 ) -> Json:
     """Collect tracks, signals, fixes and truth of a walk.
 
@@ -45,10 +67,8 @@ def explorer_data(
         (n, 2) true positions in the frame of the track, m; None without any.
     north
         True if the y axis points to north.
-    variants
-        Other tracks of the same walk, in the same frame, by their names.
-    background
-        What lies below the track, as `Background.placed` describes it.
+    extras
+        Further parts of the map.
     """
     axis = time_axis(walk)
     names = walk.track.devices
@@ -63,9 +83,9 @@ def explorer_data(
         "truth": None if truth_m is None or not len(truth_m) else _places(truth_m),
         "variants": [
             {"name": name, "colour": f"--{svg.css_name(svg.INK)}"} | _places(track.position_m)
-            for name, track in (variants or {}).items()
+            for name, track in extras.variants.items()
         ],
-        "background": background,
+        "background": extras.background,
     }
 
 

@@ -1,6 +1,7 @@
 """The report of a walk: one HTML file that needs nothing but a browser."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import yaml
@@ -8,8 +9,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.mode_style import mode_entry
-from pdr_est.report.walk.explorer_data import explorer_data
+from pdr_est.report.walk.explorer_data import NO_EXTRAS, MapExtras, explorer_data
 from pdr_est.report.walk.fix_residuals import HELD_OUT, fix_residuals
 from pdr_est.report.walk.panels import time_panels, track_panel, truth_points
 from pdr_est.report.walk.summary import Json
@@ -38,9 +41,7 @@ def render_report(
     walk: SmoothedWalk,
     recording: Recording,
     summary: Json,
-    variants: Mapping[str, Track] | None = None,
-    background: Json | None = None,
-    image_hosts: Sequence[str] = (),
+    extras: MapExtras = NO_EXTRAS,
 ) -> str:
     """Render the page as text.
 
@@ -52,18 +53,15 @@ def render_report(
         Recording that it was made from.
     summary : dict
         Summary by `summarise` of the same walk and recording.
-    variants : mapping of str to Track or None
-        Other tracks of the walk, in the same frame, by their names.
-    background : dict or None
-        What lies below the track, as `Background.placed` describes it.
-    image_hosts : sequence of str
-        Origins of the background's pictures, if it is loaded from a server.
+    extras : MapExtras
+        Further parts of the map.
     """
     told = {finding.words for finding in walk.track.findings}
     truth, frame = recording.truth.positions, summary["frame"]
-    truth_m = None if truth is None else truth_points(walk.track, truth, frame == "map")
+    truth_m = truth_points(walk.track, truth, frame == "map")
     residuals = fix_residuals(walk, truth, truth_m)
-    data = explorer_data(walk, residuals, truth_m, frame != "own", variants, background)
+    data = explorer_data(walk, residuals, truth_m, frame != "own", extras)
+    panel = track_panel(walk, recording, frame == "map", frame == "north-up")
     assets = inline_assets(["leaflet", "uplot"], SCRIPTS)
     return (
         template_environment()
@@ -74,13 +72,14 @@ def render_report(
             tiles=_tiles(summary),
             warnings=[words for words in summary["warnings"] if words not in told],
             errors=_flat(summary["errors_against_truth"] or {}),
-            track=track_panel(walk, truth, truth_m, frame == "map", frame == "north-up"),
+            track=panel,
             panels=time_panels(walk),
             assets=assets,
-            policy=assets.policy(*image_hosts),
-            image_hosts=image_hosts,
+            policy=assets.policy(*extras.image_hosts),
+            image_hosts=extras.image_hosts,
             data=inline_json(data),
             files=result_files(summary.get("formats", {"written": ()})["written"]),
+            map_legend=_map_legend(panel.legend, extras.variants),
             held_out=any(one.kind == HELD_OUT for one in residuals),
             with_fixes=bool(residuals),
             models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
@@ -88,6 +87,12 @@ def render_report(
             config_text=yaml.safe_dump(summary["config"], allow_unicode=True, sort_keys=False, width=100),
         )
     )
+
+
+def _map_legend(legend: Sequence[LegendEntry], variants: Mapping[str, Track]) -> list[LegendEntry]:
+    """Change the legend of the picture into that of the map, which has dots for fixes, and the variants."""
+    entries = [replace(one, symbol="dot") if one.symbol == "fix" else one for one in legend]
+    return entries + [LegendEntry("line", svg.css_name(svg.INK), name, (0.5, 1.5)) for name in variants]
 
 
 def template_environment() -> Environment:

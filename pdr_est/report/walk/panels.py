@@ -21,6 +21,7 @@ from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import plot_track
 from pdr_est.report.plots.track_line import mode_polylines
 from pdr_est.types.ground_truth import TruePositions
+from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
 
 
@@ -49,15 +50,10 @@ class Panel:
 NOT_RECORDED = LegendEntry("shade", "muted", "not recorded")
 
 
-def track_panel(
-    walk: SmoothedWalk,
-    truth: TruePositions | None,
-    truth_m: Array | None,
-    in_map_frame: bool,
-    north_up: bool = False,
-) -> Panel:
-    """Make the map, with the truth as `truth_points` brings it into the frame of the track."""
-    track = walk.track
+def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool, north_up: bool = False) -> Panel:
+    """Make the map; a track that is not in the map frame has the truth aligned with it."""
+    track, truth = walk.track, recording.truth.positions
+    truth_m = truth_points(track, truth, in_map_frame)
     figure = plot_track(track, walk.fixes, truth_m, in_map_frame or north_up)
     legend = _track_lines(track)
     legend += [LegendEntry("ellipse", "muted", "95 % region"), LegendEntry("start", "ink", "start")]
@@ -82,13 +78,13 @@ def _track_lines(track: Track) -> list[LegendEntry]:
     return lines + mode_legend("band", legs)
 
 
-def truth_points(track: Track, truth: TruePositions, in_map_frame: bool) -> Array | None:
-    """Bring the true positions (n, 2) into the frame of the track; None when that is not possible.
+def truth_points(track: Track, truth: TruePositions | None, in_map_frame: bool) -> Array | None:
+    """Bring the true positions (n, 2) into the frame of the track; None without any, or when that is not possible.
 
     A track that is not in the map frame has the truth aligned with it.
     """
-    if in_map_frame:
-        return truth.position_m
+    if truth is None or in_map_frame:
+        return None if truth is None else truth.position_m
     first = track.of_device(track.devices[0])
     if len(first) < 2 or len(truth.time_s) < 2:
         return None

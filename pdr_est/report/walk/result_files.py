@@ -21,6 +21,7 @@ from pdr_est.report.background.kinds import Background
 from pdr_est.report.background.placement import MapPlacement, map_placement
 from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
 from pdr_est.report.walk.earth_placement import EarthPlacement, place_on_earth
+from pdr_est.report.walk.explorer_data import NO_EXTRAS, MapExtras
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.report.walk.track_formats import WrittenTrack, write_track_formats
 from pdr_est.types.ground_truth import TruePositions
@@ -74,7 +75,49 @@ def write_results(
     RecordingError
         If a format that was chosen needs a place on the Earth and there is none.
     """
-    summary = summarise(
+    summary = _summary(walk, recording, config, inputs, profile)
+    earth = place_on_earth(walk.track, summary["frame"], recording, config.fixes)
+    summary |= _write_tracks(folder, walk, recording, earth, formats)
+    placement = map_placement(walk.track, summary["frame"], recording, earth)
+    extras, words = _map_extras(walk, config, background, placement) if with_report else (NO_EXTRAS, [])
+    summary["warnings"] += words
+    write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
+    if with_report:
+        _write_report(folder / "report.html", walk, recording, summary, extras)
+    return summary
+
+
+def _map_extras(
+    walk: SmoothedWalk, config: Config, background: Background | None, placement: MapPlacement
+) -> tuple[MapExtras, list[str]]:
+    """Collect the further parts of the map; return also the reason if the background cannot be placed."""
+    variants = _variants(walk, config)
+    if background is None:
+        return MapExtras(variants), []
+    points_m = walk.track.position_m
+    try:
+        below = background.placed(placement, points_m.min(axis=0), points_m.max(axis=0))
+    except RecordingError as error:  # only known after the long work, whose results are worth having
+        return MapExtras(variants), [str(error)]
+    return MapExtras(variants, below, background.image_hosts), []
+
+
+def _variants(walk: SmoothedWalk, config: Config) -> dict[str, Track]:
+    """Reckon the track without the fixes, which only align it, so that the map shows what they changed."""
+    if not walk.fixes or not walk.fixes_used:
+        return {}
+    track = estimate_tracks(walk.devices, config.with_estimator("dead-reckoning"), walk.fixes)
+    return {"dead reckoning": track.of_device(track.devices[-1])}
+
+
+def _summary(
+    walk: SmoothedWalk,
+    recording: Recording,
+    config: Config,
+    inputs: Mapping[str, str | None],
+    profile: Profile | None,
+) -> Json:
+    return summarise(
         walk,
         recording,
         config_to_dict(config),
@@ -85,35 +128,6 @@ def write_results(
         profile=profile,
         gait_model_sha256=_gait_digest(config),
     )
-    earth = place_on_earth(walk.track, summary["frame"], recording, config.fixes)
-    summary |= _write_tracks(folder, walk, recording, earth, formats)
-    below = None
-    if background is not None:
-        placement = map_placement(walk.track, summary["frame"], recording, earth)
-        below, words = _placed(background, placement, walk)
-        summary["warnings"] += words
-    write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
-    if with_report:
-        hosts = () if background is None or below is None else background.image_hosts
-        _write_report(folder / "report.html", walk, recording, summary, _variants(walk, config), below, hosts)
-    return summary
-
-
-def _placed(background: Background, placement: MapPlacement, walk: SmoothedWalk) -> tuple[Json | None, list[str]]:
-    """Place the background below the track; return what the page draws, and the reason if it cannot be placed."""
-    points_m = walk.track.position_m
-    try:
-        return background.placed(placement, points_m.min(axis=0), points_m.max(axis=0)), []
-    except RecordingError as error:  # only known after the long work, whose results are worth having
-        return None, [str(error)]
-
-
-def _variants(walk: SmoothedWalk, config: Config) -> dict[str, Track]:
-    """Reckon the track without the fixes, which only align it, so that the map shows what they changed."""
-    if not walk.fixes or not walk.fixes_used:
-        return {}
-    track = estimate_tracks(walk.devices, config.with_estimator("dead-reckoning"), walk.fixes)
-    return {"dead reckoning": track.of_device(track.devices[-1])}
 
 
 def _gait_digest(config: Config) -> str | None:
@@ -135,19 +149,11 @@ def _write_tracks(
     return {"on_earth": {"placed": earth.origin is not None, "meaning": earth.meaning}, "formats": found}
 
 
-def _write_report(
-    path: Path,
-    walk: SmoothedWalk,
-    recording: Recording,
-    summary: Json,
-    variants: Mapping[str, Track],
-    background: Json | None,
-    image_hosts: Sequence[str],
-) -> None:
+def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json, extras: MapExtras) -> None:
     with loading_modules(), loading_matplotlib():
         from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
 
-    write_text(path, render_report(walk, recording, summary, variants, background, image_hosts))
+    write_text(path, render_report(walk, recording, summary, extras))
 
 
 def truth_errors(walk: SmoothedWalk, recording: Recording) -> dict[str, Any] | None:
