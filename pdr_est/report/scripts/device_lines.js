@@ -96,7 +96,15 @@ function createDeviceLines(device, panes) {
   return { name: device.name, poses, layers: { lines, ellipses }, redraw, restyle, redrawEllipses };
 }
 
+/** Colours of the present theme by the names of CSS variables: looking one up makes the browser compute styles. */
+const knownColours = new Map();
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => knownColours.clear());
+
 /** Look up the colour of a CSS variable in the present theme; any other colour is returned as it is. */
 function cssColour(name) {
-  return name.startsWith('--') ? getComputedStyle(document.documentElement).getPropertyValue(name).trim() : name;
+  if (!name.startsWith('--')) return name;
+  if (!knownColours.has(name)) {
+    knownColours.set(name, getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+  }
+  return knownColours.get(name);
 }

@@ -16,9 +16,9 @@ function numberText(value, digits) {
   return Number.isFinite(value) ? value.toFixed(digits).replace('-', '−') : '–';
 }
 
-/** Write a time: 8.4 s, 3:05.2, 2:07:00.0. */
-function timeText(time_s, digits = 1) {
-  if (Math.abs(time_s) < 60) return `${numberText(time_s, digits)} s`;
+/** Write a time: 3:05.2, 2:07:00.0, and 8.4 s for one below a minute unless it stands in a row of longer ones. */
+function timeText(time_s, digits = 1, inRow = false) {
+  if (Math.abs(time_s) < 60 && !inRow) return `${numberText(time_s, digits)} s`;
   const tenths = Math.round(Math.abs(time_s) * 10 ** digits);
   const whole = Math.floor(tenths / 10 ** digits);
   const rest = digits ? `.${String(tenths % 10 ** digits).padStart(digits, '0')}` : '';

@@ -75,7 +75,10 @@ function followPointer(chart, cursor) {
 function timeAxis(cursor) {
   return {
     ...axisColours(), size: 26, space: 64, incrs: CHART_TICKS_S,
-    values: (u, ticks) => ticks.map((t) => timeText(t - cursor.begin_s, u.scales.x.max - u.scales.x.min < 4 ? 1 : 0)),
+    values: (u, ticks) => {
+      const digits = u.scales.x.max - u.scales.x.min < 4 ? 1 : 0;
+      return ticks.map((t) => timeText(t - cursor.begin_s, digits, cursor.end_s - cursor.begin_s > 100));
+    },
   };
 }
 

@@ -1,7 +1,7 @@
 /** Draw tracks in local metres on a Leaflet map: devices, ellipses, fixes, truth, variants and a time cursor. */
 'use strict';
 
-const MAP_PANES = ['truth', 'ellipses', 'variants', 'bands', 'lines', 'fixes', 'cursor'];
+const MAP_PANES = ['doubts', 'truth', 'ellipses', 'variants', 'bands', 'lines', 'fixes', 'cursor'];
 const NEAR_PX = 40;
 const MOST_FIX_ELLIPSES = 25;
 const MOST_HELD_OUT = 60;
@@ -16,7 +16,8 @@ const NEAR_FIX_S = 2;
  * @param element  where the map is drawn; its size is set by CSS
  * @param options  north: true if up is north; modes: [{name, colour, dashes}] by the number of a mode;
  *   onPick(time_s, device, index, pressed): called when the pointer is near a pose (pressed: clicked or tapped)
- * @returns setDevices, append, setFixes, setTruth, setVariants, setCursor, setNorth, show, fit, refreshColours, leaflet
+ * @returns setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, setNorth, show, fit, refreshColours,
+ *   leaflet
  */
 function createTrackMap(element, options = {}) {
   const map = L.map(element, {
@@ -24,11 +25,11 @@ function createTrackMap(element, options = {}) {
     attributionControl: false, scrollWheelZoom: false, fadeAnimation: false,
   }).setView([0, 0], 3);
   const paneOptions = makePanes(map);
-  const groups = Object.fromEntries(['truth', 'variants', 'fixes', 'cursor'].map((n) => [n, L.layerGroup().addTo(map)]));
+  const groups = Object.fromEntries(['doubts', 'truth', 'variants', 'fixes', 'cursor'].map((n) => [n, L.layerGroup().addTo(map)]));
   const visible = { ellipses: true };
   const hidden = new Set();
   let devices = [];
-  let marks = { truth: null, fixes: [], variants: [] };
+  const marks = { truth: null, fixes: [], variants: [], doubts: [] };
   let cursor_s = null;
   let north = null;
   let frame = 0;
@@ -94,6 +95,18 @@ function createTrackMap(element, options = {}) {
     }
   }
 
+  /** Mark where something does not fit, by a broad band or a ring: [{x_m, y_m}], one point for a ring. */
+  function setDoubts(lines) {
+    marks.doubts = lines;
+    groups.doubts.clearLayers();
+    const style = { ...paneOptions.doubts, color: cssColour('--warn-edge') };
+    for (const { x_m, y_m } of lines) {
+      const points = Array.from(x_m, (x, i) => [y_m[i], x]);
+      if (points.length > 1) L.polyline(points, { ...style, weight: 18, opacity: 0.35 }).addTo(groups.doubts);
+      else L.circleMarker(points[0], { ...style, radius: 11, weight: 3, fill: false }).addTo(groups.doubts);
+    }
+  }
+
   /** Show the place of every device at a time; null removes it. */
   function setCursor(time_s) {
     cursor_s = time_s;
@@ -117,7 +130,7 @@ function createTrackMap(element, options = {}) {
     if (away(nearest) < NEAR_FIX_S) drawFixes(groups.cursor, paneOptions.cursor, [nearest], devices[devices.length - 1]);
   }
 
-  /** Show or hide "ellipses", "fixes", "truth", "variants", or one device or variant by its name. */
+  /** Show or hide "ellipses", "fixes", "truth", "variants", "doubts", or one device or variant by its name. */
   function show(what, on) {
     if (groups[what]) { if (on) groups[what].addTo(map); else groups[what].remove(); return; }
     if (what === 'ellipses') visible.ellipses = on;
@@ -151,7 +164,7 @@ function createTrackMap(element, options = {}) {
 
   /** Find the pose nearest to the pointer, and tell about it if it is near enough. */
   function pick(event, pressed) {
-    if (!options.onPick) return;
+    if (!options.onPick || map.dragging.moving()) return;
     let best = null;
     let least = NEAR_PX / map.options.crs.scale(map.getZoom());
     for (const { name, poses } of devices) {
@@ -170,11 +183,12 @@ function createTrackMap(element, options = {}) {
     setTruth(marks.truth);
     setFixes(marks.fixes);
     setVariants(marks.variants);
+    setDoubts(marks.doubts);
     drawCursor();
   }
 
-  return { setDevices, append, setFixes, setTruth, setVariants, setCursor, setNorth, show, fit, refreshColours,
-    leaflet: map };
+  return { setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, setNorth, show, fit,
+    refreshColours, leaflet: map };
 }
 
 /** Make one canvas for each kind of marks, so that their order never changes; returns Leaflet's options by kind. */
@@ -183,7 +197,8 @@ function makePanes(map) {
     map.createPane(name).style.zIndex = 410 + i;
     map.getPane(name).style.pointerEvents = 'none';
     const padding = name === 'cursor' ? 0.1 : 0.4;
-    return [name, { pane: name, renderer: L.canvas({ pane: name, padding }), interactive: false, smoothFactor: 0.4 }];
+    const smoothFactor = ['bands', 'lines'].includes(name) ? 0.4 : 0.1;  // of an ellipse every corner counts
+    return [name, { pane: name, renderer: L.canvas({ pane: name, padding }), interactive: false, smoothFactor }];
   }));
 }
 

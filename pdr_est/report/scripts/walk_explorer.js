@@ -50,6 +50,7 @@ function makeWalkMap(data, tables, fixes, cursor) {
   map.setFixes(fixes.flatMap(({ kind, source, columns }) => Array.from(columns.time_s, (_, i) => ({
     kind, source: source[i], ...Object.fromEntries(Object.entries(columns).map(([name, values]) => [name, values[i]])),
   }))));
+  map.setDoubts(data.doubts.map(unpackColumns));
   map.fit();
   const background = data.background ? addMapBackground(map.leaflet, data.background) : null;
   cursor.onTime(() => map.setCursor(cursor.time_s));
@@ -73,6 +74,7 @@ function fillToggles(element, data, map) {
   add('95 % regions', '--muted', 'ellipses');
   if (data.fixes.length) add('known positions', '--fix', 'fixes');
   if (data.truth) add('truth', '--ink', 'truth');
+  if (data.doubts.length) add('does not fit', '--warn-edge', 'doubts');
   if (map.background) add('background', '--grid', 'background');
   data.variants.forEach(({ name, colour }) => add(name, colour, name));
 }

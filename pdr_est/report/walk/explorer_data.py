@@ -11,6 +11,7 @@ from pdr_est.label_runs import label_runs
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.packed_columns import pack_column, pack_floats
 from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.finding_marks import marked_places
 from pdr_est.report.plots.mode_style import MODE_DASHES, mode_runs
 from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.walk.fix_residuals import FixResiduals
@@ -81,6 +82,7 @@ def explorer_data(
         "signals": [_signals(device, number) for number, device in enumerate(walk.devices)],
         "fixes": [_fixes(one) for one in residuals],
         "truth": None if truth_m is None or not len(truth_m) else _places(truth_m),
+        "doubts": [_places(points_m) for points_m in marked_places(walk.track)],
         "variants": [
             {"name": name, "colour": f"--{svg.css_name(svg.INK)}"} | _places(track.position_m)
             for name, track in extras.variants.items()
