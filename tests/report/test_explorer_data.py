@@ -95,3 +95,17 @@ def test_variants_and_background_are_passed_on(make_walk) -> None:
     data = explorer_data(walk, [], None, True, extras)
     assert [one["name"] for one in data["variants"]] == ["alone"]
     assert data["background"] == {"kind": "lines"}
+
+
+def test_a_day_is_thinned_to_extremes_in_time(make_walk, monkeypatch: pytest.MonkeyPatch) -> None:
+    walk, _ = make_walk(steps=200)
+    monkeypatch.setattr("pdr_est.report.walk.explorer_data.MOST_SAMPLES", 700)
+    level = walk.devices[0].level[0]
+    (segment,) = explorer_data(walk, [], None, True, NO_EXTRAS)["signals"][0]["segments"]
+    values = unpacked(segment["values"])
+    assert 500 < len(values) <= 702
+    assert values.max() == pytest.approx(level.vertical_mps2.max(), abs=0.006)
+    assert values.min() == pytest.approx(level.vertical_mps2.min(), abs=0.006)
+    times_s = np.linspace(segment["begin_s"], segment["end_s"], len(values))
+    standing = level.vertical_mps2[level.time_s < 2.5]
+    assert np.abs(values[times_s < 2.4]).max() <= np.abs(standing).max() + 0.006

@@ -47,6 +47,7 @@ PLACE_STEP_M = 1e-3
 ANGLE_STEP_DEG = 0.1
 ACCELERATION_STEP_MPS2 = 0.01
 CADENCE_STEP_PER_MIN = 0.1
+MOST_SAMPLES = 500_000  # of all devices, 1.3 MB: an hour of two phones has 360 000 at the usual 50 Hz
 
 
 def explorer_data(
@@ -72,6 +73,8 @@ def explorer_data(
         Further parts of the map.
     """
     axis = time_axis(walk)
+    samples = sum(len(block) for device in walk.devices for block in device.level)
+    bin_size = 2 * -(-samples // MOST_SAMPLES)
     names = walk.track.devices
     return {
         "begin_s": axis.begin_s,
@@ -79,7 +82,7 @@ def explorer_data(
         "north": north,
         "modes": [_mode(mode) for mode in CarryingMode],
         "devices": [_device(walk.track.of_device(name), number, len(names)) for number, name in enumerate(names)],
-        "signals": [_signals(device, number) for number, device in enumerate(walk.devices)],
+        "signals": [_signals(device, number, bin_size) for number, device in enumerate(walk.devices)],
         "fixes": [_fixes(one) for one in residuals],
         "truth": None if truth_m is None or not len(truth_m) else _places(truth_m),
         "doubts": [_places(points_m) for points_m in marked_places(walk.track)],
@@ -122,13 +125,13 @@ def _device(track: Track, number: int, count: int) -> Json:
     }
 
 
-def _signals(device: DeviceWalk, number: int) -> Json:
+def _signals(device: DeviceWalk, number: int, bin_size: int) -> Json:
     """Collect the vertical acceleration, which is evenly sampled in each segment, and the detected steps."""
     runs = mode_runs(device)
     return {
         "device": device.device,
         "colour": _colour(number),
-        "segments": [_segment(*one) for one in _segments(device)],
+        "segments": [_segment(*one, bin_size) for one in _segments(device)],
         "steps_s": pack_column([step.event.time_s for step in device.steps], TIME_STEP_S),
         "cadence_per_min": pack_column(
             [60.0 * step.frequency_hz or np.nan for step in device.steps], CADENCE_STEP_PER_MIN
@@ -157,8 +160,13 @@ def _segments(device: DeviceWalk) -> list[tuple[Array, Array]]:
     ]
 
 
-def _segment(time_s: Array, vertical_mps2: Array) -> Json:
+def _segment(time_s: Array, vertical_mps2: Array, bin_size: int) -> Json:
+    """Describe a segment; bins of more than two samples are reduced to their least and greatest one."""
     begin_s, end_s = float(time_s[0]), float(time_s[-1])
+    if bin_size > 2 and len(time_s) >= bin_size:
+        starts = np.arange(0, len(time_s), bin_size)
+        extremes = [part.reduceat(vertical_mps2, starts) for part in (np.fmin, np.fmax)]
+        vertical_mps2 = np.column_stack(extremes).ravel()
     return {"begin_s": begin_s, "end_s": end_s, "values": pack_column(vertical_mps2, ACCELERATION_STEP_MPS2)}
 
 
