@@ -159,7 +159,8 @@ function createTrackMap(element, options = {}) {
     const lines = [...devices.map((one) => one.poses), ...marks.variants, ...(marks.truth ? [marks.truth] : [])];
     for (const line of lines) Array.from(line.x_m).forEach((x, i) => bounds.extend([line.y_m[i], x]));
     for (const fix of marks.fixes) bounds.extend([fix.y_m, fix.x_m]);
-    if (bounds.isValid()) map.fitBounds(bounds.pad(0.08), { maxZoom: 6.5, animate: false });
+    extendByEllipses(bounds, devices);
+    if (bounds.isValid()) map.fitBounds(bounds.pad(0.04), { maxZoom: 6.5, animate: false });
   }
 
   /** Find the pose nearest to the pointer, and tell about it if it is near enough. */
@@ -200,6 +201,24 @@ function makePanes(map) {
     const smoothFactor = ['bands', 'lines'].includes(name) ? 0.4 : 0.1;  // of an ellipse every corner counts
     return [name, { pane: name, renderer: L.canvas({ pane: name, padding }), interactive: false, smoothFactor }];
   }));
+}
+
+/** Extend bounds by the 95 % regions of all poses, by a quarter of their size at most: the track stays readable. */
+function extendByEllipses(bounds, devices) {
+  if (!bounds.isValid()) return;
+  const room = 0.25 * Math.max(bounds.getNorth() - bounds.getSouth(), bounds.getEast() - bounds.getWest());
+  const widest = L.latLngBounds([bounds.getSouth() - room, bounds.getWest() - room], [bounds.getNorth() + room, bounds.getEast() + room]);
+  const within = (value, low, high) => Math.min(Math.max(value, low), high);
+  for (const { poses } of devices) {
+    poses.x_m.forEach((x, i) => {
+      const [across, up] = [poses.cxx_m2[i], poses.cyy_m2[i]].map((variance) => Math.sqrt(CHI2_95 * variance));
+      if (!Number.isFinite(across + up)) return;
+      for (const sign of [-1, 1]) {
+        bounds.extend([within(poses.y_m[i] + sign * up, widest.getSouth(), widest.getNorth()),
+          within(x + sign * across, widest.getWest(), widest.getEast())]);
+      }
+    });
+  }
 }
 
 /** Let the wheel zoom the map only after it was pressed, so that the page can be scrolled past it. */
