@@ -25,7 +25,8 @@ function createDeviceLines(device, panes) {
 
   function legOf(mode) {
     if (!byMode.has(mode)) {
-      const line = L.polyline([], whole ? { ...panes.bands, weight: 9, lineCap: 'butt' } : { ...panes.lines, weight: 3 });
+      const style = whole ? { ...panes.bands, weight: 9, lineCap: 'butt' } : { ...panes.lines, weight: 3 };
+      const line = L.polyline([], style);
       byMode.set(mode, { line: line.addTo(lines), parts: [], last: -1 });
     }
     return byMode.get(mode);
@@ -59,7 +60,8 @@ function createDeviceLines(device, panes) {
 
   function styleLeg(mode, line) {
     const style = device.modes[mode] || { colour: '--muted' };
-    const dash = !whole && style.dashes && style.dashes.length ? style.dashes.map((part) => 3 * part).join(' ') : null;
+    const broken = !whole && style.dashes && style.dashes.length;
+    const dash = broken ? style.dashes.map((part) => 3 * part).join(' ') : null;
     line.setStyle({ color: cssColour(style.colour), opacity: whole ? 0.45 : 1, dashArray: dash });
   }
 

@@ -68,7 +68,9 @@ function addTiles(map, group, background) {
     const [left, right] = [columnOf(sight.getWest(), zoom), columnOf(sight.getEast(), zoom)];
     const [high, low] = [rowOf(sight.getNorth(), zoom), rowOf(sight.getSouth(), zoom)];
     if ((right - left + 1) * (low - high + 1) <= MOST_TILES_SHOWN) {
-      for (let x = left; x <= right; x += 1) for (let y = high; y <= low; y += 1) wanted.set(`${zoom}/${x}/${y}`, [x, y]);
+      for (let x = left; x <= right; x += 1) {
+        for (let y = high; y <= low; y += 1) wanted.set(`${zoom}/${x}/${y}`, [x, y]);
+      }
     } else if (background.tiles) {
       Object.keys(background.tiles).forEach((name) => wanted.set(name, name.split('/').slice(1).map(Number)));
     }

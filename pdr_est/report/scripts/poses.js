@@ -25,7 +25,9 @@ function createPoses() {
   }
 
   function beforeTime(columns, i) {
-    return i > 0 ? columns.time_s[i - 1] : table.from_s.length ? table.time_s[table.from_s.length - 1] : columns.time_s[0];
+    if (i > 0) return columns.time_s[i - 1];
+    const known = table.from_s.length;  // poses of earlier calls
+    return known ? table.time_s[known - 1] : columns.time_s[0];
   }
 
   function at(time_s) {

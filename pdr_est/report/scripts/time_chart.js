@@ -17,7 +17,8 @@ function createTimeChart(element, spec, cursor) {
   const area = makeElement('div', { className: 'chart-area' });
   const head = makeElement('h3', {}, `${spec.title} (${spec.unit})`, readout);
   element.append(makeElement('div', { className: 'chart' }, head, area));
-  const tables = spec.series.map((one) => [one.time_s, Array.from(one.values, (v) => (Number.isFinite(v) ? v : null))]);
+  const tables = spec.series.map(({ time_s, values }) => (
+    [time_s, Array.from(values, (value) => (Number.isFinite(value) ? value : null))]));
   const data = tables.length === 1 ? tables[0] : uPlot.join(tables);
   const height = spec.height || 130;
   const line = makeElement('div', { className: 'time-line' });
@@ -25,7 +26,10 @@ function createTimeChart(element, spec, cursor) {
     width: Math.max(area.clientWidth, 200), height, padding: [spec.top || 6, 22, 0, 0],
     legend: { show: false },
     cursor: { x: false, y: false, points: { show: false }, drag: { x: true, y: false, dist: 6 } },
-    scales: { x: { time: false, range: (u, low, high) => windowOf(low, high) }, y: { range: spec.range ? () => spec.range : softRange } },
+    scales: {
+      x: { time: false, range: (u, low, high) => windowOf(low, high) },
+      y: { range: spec.range ? () => spec.range : softRange },
+    },
     axes: [timeAxis(cursor), valueAxis(spec.ticks)],
     series: [{}, ...spec.series.map(seriesOptions)],
     hooks: {
@@ -83,7 +87,8 @@ function timeAxis(cursor) {
 }
 
 function valueAxis(ticks) {
-  return { ...axisColours(), ...(ticks ? { incrs: ticks } : {}), size: 46, space: 28, values: (u, ticks) => ticks.map((v) => String(v).replace('-', '−')) };
+  const values = (u, places) => places.map((place) => String(place).replace('-', '−'));
+  return { ...axisColours(), ...(ticks ? { incrs: ticks } : {}), size: 46, space: 28, values };
 }
 
 function axisColours() {

@@ -25,7 +25,8 @@ function createTrackMap(element, options = {}) {
     attributionControl: false, scrollWheelZoom: false, fadeAnimation: false,
   }).setView([0, 0], 3);
   const paneOptions = makePanes(map);
-  const groups = Object.fromEntries(['doubts', 'truth', 'variants', 'fixes', 'cursor'].map((n) => [n, L.layerGroup().addTo(map)]));
+  const groups = {};
+  for (const name of ['doubts', 'truth', 'variants', 'fixes', 'cursor']) groups[name] = L.layerGroup().addTo(map);
   const visible = { ellipses: true };
   const hidden = new Set();
   let devices = [];
@@ -48,7 +49,8 @@ function createTrackMap(element, options = {}) {
   /** Replace the devices: [{name, colour}]; a colour of null draws the line in the colours of the modes. */
   function setDevices(named) {
     devices.forEach((one) => Object.values(one.layers).forEach((layer) => layer.remove()));
-    devices = named.map((device) => createDeviceLines({ colour: null, modes: options.modes || [], ...device }, paneOptions));
+    const usual = { colour: null, modes: options.modes || [] };
+    devices = named.map((device) => createDeviceLines({ ...usual, ...device }, paneOptions));
     devices.forEach(applyVisibility);
     drawCursor();
   }
@@ -69,7 +71,8 @@ function createTrackMap(element, options = {}) {
   function setFixes(fixes) {
     const heldOut = fixes.filter((fix) => fix.kind !== 'given').length;
     marks.fixes = fixes;
-    const drawn = heldOut > MOST_HELD_OUT ? fixes.filter((fix) => fix.kind === 'given') : fixes;  // dense truth is a line
+    // Dense truth is shown as a line.
+    const drawn = heldOut > MOST_HELD_OUT ? fixes.filter((fix) => fix.kind === 'given') : fixes;
     drawFixes(groups.fixes.clearLayers(), paneOptions.fixes, drawn, devices[devices.length - 1]);
   }
 
@@ -83,7 +86,7 @@ function createTrackMap(element, options = {}) {
     L.polyline(points, { ...paneOptions.truth, color: colour, weight: 1.5, dashArray: '6 4' }).addTo(groups.truth);
   }
 
-  /** Draw tracks to compare with, as thin lines: [{name, colour, x_m, y_m, dashes, weight}], the last two in pixels. */
+  /** Draw tracks to compare with: [{name, colour, x_m, y_m, dashes, weight}], the last two in pixels. */
   function setVariants(variants) {
     marks.variants = variants;
     groups.variants.clearLayers();
@@ -127,7 +130,8 @@ function createTrackMap(element, options = {}) {
   function drawFixAt(time_s) {
     const away = (fix) => Math.abs(fix.time_s - time_s);
     const nearest = marks.fixes.reduce((best, fix) => (away(fix) < away(best) ? fix : best));
-    if (away(nearest) < NEAR_FIX_S) drawFixes(groups.cursor, paneOptions.cursor, [nearest], devices[devices.length - 1]);
+    if (away(nearest) >= NEAR_FIX_S) return;
+    drawFixes(groups.cursor, paneOptions.cursor, [nearest], devices[devices.length - 1]);
   }
 
   /** Show or hide "ellipses", "fixes", "truth", "variants", "doubts", or one device or variant by its name. */
@@ -206,16 +210,16 @@ function makePanes(map) {
 /** Extend bounds by the 95 % regions of all poses, by a quarter of their size at most: the track stays readable. */
 function extendByEllipses(bounds, devices) {
   if (!bounds.isValid()) return;
-  const room = 0.25 * Math.max(bounds.getNorth() - bounds.getSouth(), bounds.getEast() - bounds.getWest());
-  const widest = L.latLngBounds([bounds.getSouth() - room, bounds.getWest() - room], [bounds.getNorth() + room, bounds.getEast() + room]);
+  const [south, west, north, east] = [bounds.getSouth(), bounds.getWest(), bounds.getNorth(), bounds.getEast()];
+  const room = 0.25 * Math.max(north - south, east - west);
   const within = (value, low, high) => Math.min(Math.max(value, low), high);
   for (const { poses } of devices) {
     poses.x_m.forEach((x, i) => {
       const [across, up] = [poses.cxx_m2[i], poses.cyy_m2[i]].map((variance) => Math.sqrt(CHI2_95 * variance));
       if (!Number.isFinite(across + up)) return;
       for (const sign of [-1, 1]) {
-        bounds.extend([within(poses.y_m[i] + sign * up, widest.getSouth(), widest.getNorth()),
-          within(x + sign * across, widest.getWest(), widest.getEast())]);
+        bounds.extend([within(poses.y_m[i] + sign * up, south - room, north + room),
+          within(x + sign * across, west - room, east + room)]);
       }
     });
   }

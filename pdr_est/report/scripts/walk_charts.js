@@ -18,21 +18,29 @@ function walkCharts(signals, devices, fixes, modes) {
     series: ofPoses((t) => t.heading_deg.map(wrapDegrees), (t) => (
       { dots: true, half: t.sigma_heading_deg.map((s) => SIGMA_95 * s), wrap: 360 })),
   });
-  specs.push({ title: 'Standard deviation of the heading', unit: '°', digits: 1, series: ofPoses((t) => t.sigma_heading_deg) });
+  specs.push({
+    title: 'Standard deviation of the heading', unit: '°', digits: 1, series: ofPoses((t) => t.sigma_heading_deg),
+  });
   specs.push({
     title: 'Step length', unit: 'm', digits: 2,
     series: ofPoses((t) => t.length_m.map((v, i) => (i ? v : NaN)), dots),
   });
   specs.push({
     title: 'Cadence', unit: 'steps/min', digits: 0,
-    series: signals.map((one) => ({ name: one.device, colour: one.colour, time_s: one.steps_s, values: one.cadence_per_min, dots: true })),
+    series: signals.map(({ device, colour, steps_s, cadence_per_min }) => (
+      { name: device, colour, time_s: steps_s, values: cadence_per_min, dots: true })),
   });
   specs.push({
     title: 'Standard deviation of the position, longer axis', unit: 'm', digits: 2,
-    series: ofPoses((t) => t.x_m.map((_, i) => sigmas(t.cxx_m2[i], t.cxy_m2[i], t.cyy_m2[i])[0]), () => ({ width: 1.8 })),
+    series: ofPoses(longerSigmas, () => ({ width: 1.8 })),
   });
   if (fixes.length) specs.push(residualChart(fixes));
   return specs;
+}
+
+/** Compute the standard deviations of the positions along the longer axes. */
+function longerSigmas(table) {
+  return table.x_m.map((_, i) => sigmas(table.cxx_m2[i], table.cxy_m2[i], table.cyy_m2[i])[0]);
 }
 
 /** Show how far the track is from the known positions, with the 95 % bound of each as a line from zero. */
@@ -41,12 +49,13 @@ function residualChart(fixes) {
     const order = Array.from(columns.time_s.keys()).sort((a, b) => columns.time_s[a] - columns.time_s[b]);
     const pick = (values) => order.map((i) => values[i]);
     const given = kind === 'given';
-    return { name: kind, colour: given ? '--fix' : '--ink', time_s: pick(columns.time_s), values: pick(columns.distance_m),
-      bound_m: pick(columns.bound_m), dots: true, hollow: !given };
+    const [time_s, values, bound_m] = [columns.time_s, columns.distance_m, columns.bound_m].map(pick);
+    return { name: kind, colour: given ? '--fix' : '--ink', time_s, values, bound_m, dots: true, hollow: !given };
   });
+  const most = Math.max(0.1, ...series.flatMap((one) => [...one.values, middleOf(one.bound_m)]).filter(Number.isFinite));
   return {
     title: 'Distance between known positions and track', unit: 'm', digits: 2, height: 150, series,
-    range: [0, 1.1 * Math.max(...series.flatMap((one) => [...one.values, middleOf(one.bound_m)]).filter(Number.isFinite), 0.1)],
+    range: [0, 1.1 * most],
     under: (u) => series.forEach((one) => drawBounds(u, one)),
   };
 }
@@ -128,13 +137,15 @@ function drawSteps(u, signal, time_s, values) {
   const from = firstAfter(signal.steps_s, u.scales.x.min);
   const to = firstAfter(signal.steps_s, u.scales.x.max);
   if (to - from > MOST_STEP_DOTS) return;
+  const radius = (to - from < 80 ? 3.5 : 2) * devicePixelRatio;
   u.ctx.save();
   u.ctx.fillStyle = cssColour(signal.colour);
   for (let i = from; i < to; i += 1) {
     const sample = Math.max(firstAfter(time_s, signal.steps_s[i] + 1e-3) - 1, 0);
     if (!Number.isFinite(values[sample])) continue;
     u.ctx.beginPath();
-    u.ctx.arc(u.valToPos(signal.steps_s[i], 'x', true), u.valToPos(values[sample], 'y', true), (to - from < 80 ? 3.5 : 2) * devicePixelRatio, 0, 7);
+    const [x, y] = [u.valToPos(signal.steps_s[i], 'x', true), u.valToPos(values[sample], 'y', true)];
+    u.ctx.arc(x, y, radius, 0, 7);
     u.ctx.fill();
   }
   u.ctx.restore();

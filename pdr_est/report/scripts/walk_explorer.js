@@ -46,15 +46,20 @@ function makeWalkMap(data, tables, fixes, cursor) {
   map.setDevices(data.devices.map(({ name, line }) => ({ name, colour: line })));
   tables.forEach(({ name, table }) => map.append(name, table));
   if (data.truth) map.setTruth(unpackColumns(data.truth));
-  map.setVariants(data.variants.map(({ name, colour, x_m, y_m }) => ({ name, colour, ...unpackColumns({ x_m, y_m }) })));
-  map.setFixes(fixes.flatMap(({ kind, source, columns }) => Array.from(columns.time_s, (_, i) => ({
-    kind, source: source[i], ...Object.fromEntries(Object.entries(columns).map(([name, values]) => [name, values[i]])),
-  }))));
+  map.setVariants(data.variants.map(({ name, colour, x_m, y_m }) => (
+    { name, colour, ...unpackColumns({ x_m, y_m }) })));
+  map.setFixes(fixes.flatMap(rowsOf));
   map.setDoubts(data.doubts.map(unpackColumns));
   map.fit();
   const background = data.background ? addMapBackground(map.leaflet, data.background) : null;
   cursor.onTime(() => map.setCursor(cursor.time_s));
   return { show: map.show, leaflet: map.leaflet, background };
+}
+
+/** Turn the columns of known positions into one object for each. */
+function rowsOf({ kind, columns }) {
+  const row = (i) => Object.fromEntries(Object.entries(columns).map(([name, values]) => [name, values[i]]));
+  return Array.from(columns.time_s, (_, i) => ({ kind, ...row(i) }));
 }
 
 /** Fill an element with boxes that show and hide parts of the map. */

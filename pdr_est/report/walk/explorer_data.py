@@ -173,7 +173,6 @@ def _segment(time_s: Array, vertical_mps2: Array, bin_size: int) -> Json:
 def _fixes(one: FixResiduals) -> Json:
     return {
         "kind": one.kind,
-        "source": one.source,
         "columns": {
             "time_s": pack_column(one.time_s, TIME_STEP_S),
             **_places(one.position_m),
