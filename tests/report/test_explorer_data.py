@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from pdr_est.report.packed_columns import PackedColumn, pack_column, pack_floats
-from pdr_est.report.walk.explorer_data import NO_EXTRAS, MapExtras, explorer_data
+from pdr_est.report.walk.explorer_data import explorer_data
 from pdr_est.report.walk.fix_residuals import GIVEN, HELD_OUT, MOST_HELD_OUT, fix_residuals
+from pdr_est.report.walk.map_extras import NO_EXTRAS, MapExtras
 from pdr_est.types.ground_truth import TruePositions
 
 

@@ -1,7 +1,6 @@
 """The numbers that the scripts of the report draw, as columns for `inline_json`."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,32 +14,11 @@ from pdr_est.report.plots.finding_marks import marked_places
 from pdr_est.report.plots.mode_style import MODE_DASHES, mode_runs
 from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.walk.fix_residuals import FixResiduals
+from pdr_est.report.walk.map_extras import MapExtras
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
 Json = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class MapExtras:
-    """Parts of the map that follow neither from the walk nor from its recording.
-
-    Attributes
-    ----------
-    variants
-        Other tracks of the walk, in the same frame, by their names.
-    background
-        Description of what lies below the track, by `Background.placed`; None without any.
-    image_hosts
-        Origins of the background's pictures, if it is loaded from a server.
-    """
-
-    variants: Mapping[str, Track] = field(default_factory=dict)
-    background: Json | None = None
-    image_hosts: tuple[str, ...] = ()
-
-
-NO_EXTRAS = MapExtras()
 
 TIME_STEP_S = 1e-3
 PLACE_STEP_M = 1e-3

@@ -12,8 +12,9 @@ from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inlin
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.mode_style import mode_entry
-from pdr_est.report.walk.explorer_data import NO_EXTRAS, MapExtras, explorer_data
+from pdr_est.report.walk.explorer_data import explorer_data
 from pdr_est.report.walk.fix_residuals import HELD_OUT, fix_residuals
+from pdr_est.report.walk.map_extras import NO_EXTRAS, MapExtras
 from pdr_est.report.walk.panels import time_panels, track_panel, truth_points
 from pdr_est.report.walk.summary import Json
 from pdr_est.report.walk.track_formats import result_files

@@ -21,7 +21,7 @@ from pdr_est.report.background.kinds import Background
 from pdr_est.report.background.placement import MapPlacement, map_placement
 from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
 from pdr_est.report.walk.earth_placement import EarthPlacement, place_on_earth
-from pdr_est.report.walk.explorer_data import NO_EXTRAS, MapExtras
+from pdr_est.report.walk.map_extras import NO_EXTRAS, MapExtras
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.report.walk.track_formats import WrittenTrack, write_track_formats
 from pdr_est.types.ground_truth import TruePositions
