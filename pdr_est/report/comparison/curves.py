@@ -1,7 +1,7 @@
 """Numbers of the comparison's curves: distribution and growth of the errors, consistency of the covariance."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -62,9 +62,7 @@ def error_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> E
         place = np.clip(np.searchsorted(edges, way_m, side="right") - 1, 0, bins - 1)
         within = [error_m[place == i] for i in range(bins)]
         for found, share in zip(high, (0.5, 0.9), strict=True):
-            found.append(
-                np.array([np.quantile(part, share) if len(part) >= _FEWEST else np.nan for part in within])
-            )
+            found.append(np.array([np.quantile(part, share) if len(part) >= _FEWEST else np.nan for part in within]))
     return ErrorGrowth(0.5 * (edges[1:] + edges[:-1]), tuple(high[0]), tuple(high[1]), farthest_m, most < _FEW)
 
 
@@ -165,8 +163,8 @@ def _growth_curve(growth: ErrorGrowth, pools: Sequence[Array], variants: Sequenc
     lines = []
     for entry, median_m, p90_m in zip(variants, growth.median_m, growth.p90_m, strict=True):
         lines += [
-            _curve(replace(entry, label=f"{entry.label}, median"), median_m, 2.5),
-            _curve(replace(entry, label=f"{entry.label}, 90 %"), p90_m, 1.2),
+            _curve(entry, median_m, 2.5, "median"),
+            _curve(entry, p90_m, 1.2, "90 %"),
         ]
     limits = growth_range(growth, pools)
     return _chart(growth.middle_m, lines, "distance walked (m)", "error (m)", limits) | {"y_log": limits[0] > 0.0}
@@ -178,9 +176,9 @@ def _chart(
     return {"x": _rounded(x), "lines": lines, "x_label": x_label, "y_label": y_label, "y_range": y_range}
 
 
-def _curve(entry: LegendEntry, y: Array, width: float = 2.0) -> dict[str, Any]:
-    colour = f"--{entry.colour}"
-    return {"name": entry.label, "colour": colour, "dashes": entry.dashes, "width": width, "y": _rounded(y)}
+def _curve(entry: LegendEntry, y: Array, width: float = 2.0, part: str = "") -> dict[str, Any]:
+    look = {"colour": f"--{entry.colour}", "dashes": entry.dashes, "width": width}
+    return {"variant": entry.label, "part": part, **look, "y": _rounded(y)}
 
 
 def _rounded(numbers: Array) -> list[float | None]:

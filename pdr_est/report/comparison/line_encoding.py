@@ -80,7 +80,7 @@ def encode_lines(lines: Sequence[Array], step_m: Sequence[float]) -> list[str]:
 
 
 def _owners(lines: Sequence[Array]) -> Places:
-    """Number the line of each point."""
+    """Return the number of the line that each point belongs to."""
     return np.repeat(np.arange(len(lines)), [len(line) for line in lines])
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, with_unit
 from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.report.comparison import tables
-from pdr_est.report.comparison.explorer_data import explorer_data
+from pdr_est.report.comparison.comparison_data import comparison_data
 from pdr_est.report.comparison.plots import plot_coverage, plot_distribution, plot_growth, plot_tracks, variant_styles
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
 from pdr_est.report.plots import figure as svg
@@ -24,6 +24,7 @@ _TRUTH = LegendEntry("truth", "muted", "true positions")
 _IDEAL = LegendEntry("line", "muted", "ideal", (1.6, 1.0))
 _MOST_FAILURES = 100  # shown
 _SCRIPTS = (
+    "dom.js",
     "page_parts.js",
     "comparison_data.js",
     "table_sorting.js",
@@ -79,7 +80,7 @@ def render_comparison(content: ComparisonContent) -> str:
     aligned = content.aligned if _fixed(content.outcomes) else ()
     assets = inline_assets(["leaflet", "uplot"], [*TRACK_MAP_SCRIPTS, *_SCRIPTS])
     shown = [metric for metric in content.metrics if any(one.metrics[metric] is not None for one in content.outcomes)]
-    data = explorer_data(
+    data = comparison_data(
         content.outcomes, content.variants, shown, content.group_by, _leading_metric(content, shown)
     )
     return (
@@ -156,7 +157,9 @@ def _panels(content: ComparisonContent) -> list[tuple[str, Panel]]:
     if any(len(one.squared) for one in outcomes):
         caption = "Below the dashed line the covariance is too small (overconfident), above it too large."
         figure = plot_coverage(outcomes, variants)
-        panels.append(("coverage", _panel("Consistency of the covariance", "coverage", figure, (*legend, _IDEAL), caption)))
+        panels.append(
+            ("coverage", _panel("Consistency of the covariance", "coverage", figure, (*legend, _IDEAL), caption))
+        )
     return panels
 
 

@@ -5,7 +5,7 @@ const NOTE_EDGE_PX = 8;
 
 /** Let every link to an element of the page's definitions, now or later, open a note beside it. */
 function explainDefinitions() {
-  const note = makeElement('div', { class: 'note', role: 'tooltip', id: 'definition-note', hidden: true });
+  const note = makeElement('div', { className: 'note', role: 'tooltip', id: 'definition-note', hidden: true });
   let shownFor = null;
   let pinned = false;
   document.body.append(note);

@@ -1,21 +1,5 @@
-/** Make elements of a page, whose texts are always text and never markup. */
+/** Make signs of legends and options of selects, and bring parts of a page into view. */
 'use strict';
-
-/**
- * Create an element.
- *
- * @param name  name of the tag
- * @param attributes  attributes by name; undefined, null and false leave one out
- * @param children  elements or texts
- */
-function makeElement(name, attributes = {}, ...children) {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (value !== undefined && value !== null && value !== false) made.setAttribute(key, value === true ? '' : value);
-  }
-  made.append(...children);
-  return made;
-}
 
 /** Create the sign of a line for a legend; a colour is the name of a CSS variable, dashes are in line widths. */
 function makeLineSign(colour, dashes = [], width = 2.4) {
@@ -30,6 +14,13 @@ function makeLineSign(colour, dashes = [], width = 2.4) {
   if (dashes.length) path.setAttribute('stroke-dasharray', dashes.map((part) => width * part).join(' '));
   svg.append(path);
   return svg;
+}
+
+/** Create an entry of a legend, with a box that shows or hides its line. */
+function makeToggle(name, sign, onToggle, ...more) {
+  const box = makeElement('input', { type: 'checkbox', checked: true });
+  box.addEventListener('change', () => onToggle(box.checked));
+  return makeElement('li', {}, makeElement('label', {}, box, sign, name, ...more));
 }
 
 /** Fill a <select> with options of [value, text]. */

@@ -16,7 +16,7 @@ function compareValues(a, b, direction) {
 
 /** Put a button into a heading, which tells the order of its column. */
 function makeSortButton(heading, onPress) {
-  const button = makeElement('button', { type: 'button', class: 'sort' }, ...heading.childNodes);
+  const button = makeElement('button', { type: 'button', className: 'sort' }, ...heading.childNodes);
   button.addEventListener('click', onPress);
   heading.replaceChildren(button);
   return button;

@@ -68,12 +68,12 @@ function createWalkTable(parts, data, onChoose) {
   function showHead() {
     const { name, unit, text, ideal } = data.metric(state.metric);
     const titles = ['walk', 'off by, mean', ...data.variants.map((one) => one.name)];
-    const headings = titles.map((title, i) => makeElement('th', { class: i ? 'right' : null, scope: 'col' }, title));
+    const headings = titles.map((title, i) => makeElement('th', { className: i ? 'right' : '', scope: 'col' }, title));
     const averages = data.variants.map((_, variant) => data.average(name, variant, state.order));
     const best = data.best(name, averages.map(({ mean }) => mean));
     const rows = [['mean', 'mean'], ['median', 'median'], ['90 %', 'p90']].map(([title, part]) => {
       const cells = averages.map((one, i) => valueCell(one[part], part === 'mean' && i === best));
-      return makeElement('tr', { class: 'average' }, makeElement('th', { scope: 'row' }, title), makeElement('td'), ...cells);
+      return makeElement('tr', { className: 'average' }, makeElement('th', { scope: 'row' }, title), makeElement('td'), ...cells);
     });
     head.replaceChildren(makeElement('tr', {}, ...headings), ...rows);
     headings.forEach((heading, column) => makeSortButton(heading, () => {
@@ -81,7 +81,7 @@ function createWalkTable(parts, data, onChoose) {
       head.rows[0].cells[column].firstChild.focus();
     }));
     markSorted(headings, state.column, state.direction);
-    const aim = ideal === null ? '' : ` Ideal: ${ideal}${unit ? ` ${unit}` : ''}.`;
+    const aim = ideal === null ? '' : ` Ideal:\u00a0${ideal}${unit ? `\u00a0${unit}` : ''}.`;
     parts.meaning.textContent = `${text}${aim}`;
     const whole = data.walks.length;
     const shown = state.order.length;
@@ -103,16 +103,12 @@ function createWalkTable(parts, data, onChoose) {
     const best = data.best(state.metric, values);
     const name = makeElement('th', { scope: 'row' }, makeElement('button', { type: 'button', class: 'walk' }, data.nameOf(row)));
     const cells = values.map((value, i) => valueCell(value, i === best));
-    const chosen = row === state.chosen ? 'true' : null;
-    return makeElement('tr', { 'data-row': row, 'aria-current': chosen }, name, valueCell(data.off(state.metric, row)), ...cells);
+    return makeElement('tr', { 'data-row': row, 'aria-current': String(row === state.chosen) }, name, valueCell(data.off(state.metric, row)), ...cells);
   }
 
   function choose(row) {
     state.chosen = row;
-    for (const one of body.rows) {
-      if (Number(one.dataset.row) === row) one.setAttribute('aria-current', 'true');
-      else one.removeAttribute('aria-current');
-    }
+    for (const one of body.rows) one.setAttribute('aria-current', String(Number(one.dataset.row) === row));
     onChoose(row, state.metric);
   }
 
@@ -138,7 +134,7 @@ function createWalkTable(parts, data, onChoose) {
 /** Create the cell of a value, which is emphasised if it is the best one. */
 function valueCell(value, best = false) {
   const text = formatNumber(value);
-  return makeElement('td', { class: 'right' }, best ? makeElement('strong', {}, text) : text);
+  return makeElement('td', { className: 'right' }, best ? makeElement('strong', {}, text) : text);
 }
 
 /** Add a select that filters walks by a key. */

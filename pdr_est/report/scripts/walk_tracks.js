@@ -12,22 +12,16 @@ const TRACK_WEIGHT_PX = 2.5;
  */
 function createWalkTracks(parts, data) {
   const map = createTrackMap(parts.map, {});
-  const values = data.variants.map(() => makeElement('span', { class: 'value' }));
+  const values = data.variants.map(() => makeElement('span', { className: 'value' }));
   const hidden = new Set();
-  parts.legend.replaceChildren(...data.variants.map((variant, i) => legendEntry(variant.name,
-    makeLineSign(variant.colour, variant.dashes), values[i])));
-  const truthEntry = legendEntry('truth', makeLineSign('--ink', [3, 2], 1.5));
+  const toggle = (name) => (on) => {
+    if (on) hidden.delete(name); else hidden.add(name);
+    map.show(name, on);
+  };
+  parts.legend.replaceChildren(...data.variants.map((variant, i) => makeToggle(variant.name,
+    makeLineSign(variant.colour, variant.dashes), toggle(variant.name), values[i])));
+  const truthEntry = makeToggle('truth', makeLineSign('--ink', [3, 2], 1.5), toggle('truth'));
   parts.legend.append(truthEntry);
-
-  /** Make the entry of a line, with a box that shows or hides it. */
-  function legendEntry(name, sign, ...more) {
-    const box = makeElement('input', { type: 'checkbox', checked: true });
-    box.addEventListener('change', () => {
-      if (box.checked) hidden.delete(name); else hidden.add(name);
-      map.show(name, box.checked);
-    });
-    return makeElement('li', {}, makeElement('label', {}, box, sign, name, ...more));
-  }
 
   /** Draw the tracks of a row, and list its metrics. */
   function show(row, metric) {
@@ -42,7 +36,7 @@ function createWalkTracks(parts, data) {
     truthEntry.hidden = !truth.x_m.length;
     const { unit } = data.metric(metric);
     values.forEach((place, i) => {
-      place.textContent = `${formatNumber(data.value(metric, i, row))} ${unit}`;
+      place.textContent = `${formatNumber(data.value(metric, i, row))} ${unit}`.trim();
     });
     showMetrics(row);
   }
@@ -50,7 +44,7 @@ function createWalkTracks(parts, data) {
   function showMetrics(row) {
     const known = data.metrics.filter(({ name }) => data.variants.some((_, i) => data.value(name, i, row) !== null));
     const head = ['metric', ...data.variants.map(({ name }) => name)];
-    const headings = head.map((text, i) => makeElement('th', { class: i ? 'right' : null, scope: 'col' }, text));
+    const headings = head.map((text, i) => makeElement('th', { className: i ? 'right' : '', scope: 'col' }, text));
     const rows = known.map(({ name, unit, text }) => {
       const title = unit ? `${name} (${unit})` : name;
       const link = text ? makeElement('a', { href: `#define-${name}` }, title) : title;

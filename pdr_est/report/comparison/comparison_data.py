@@ -1,4 +1,4 @@
-"""Data of the comparison page that its scripts show: metrics of each walk, the tracks, and the curves of the errors."""
+"""Data that the scripts of the comparison page show: metrics of each walk, tracks, and curves of the errors."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -24,7 +24,7 @@ Row = tuple[str, str]
 """Walk and track, of which each variant has one result."""
 
 
-def explorer_data(
+def comparison_data(
     outcomes: Sequence[TrackOutcome],
     variants: Sequence[str],
     metrics: Sequence[str],
@@ -100,13 +100,15 @@ def _keys(outcomes: Sequence[TrackOutcome], rows: Sequence[Row], group_by: Seque
 
 
 def _lines(table: Sequence[Sequence[TrackOutcome | None]], rows: int) -> dict[str, Any]:
-    """Encode the tracks of all variants and the true positions, row by row, with one step of quantisation for each."""
+    """Encode the tracks of all variants and the true positions, with one step of quantisation for each row."""
     drawn = sum(one is not None and len(one.position_m) > 0 for column in table for one in column)
     most = int(np.clip(_TRACK_CHARACTERS / _CHARACTERS_OF_A_POINT / max(drawn, 1), _FEWEST_POINTS, _MOST_POINTS))
     steps_m: list[float] = []
     texts: list[list[str]] = [[] for _ in range(len(table) + 1)]  # of the truth and of each variant
     for begin in range(0, rows, _ROWS_AT_ONCE):
-        batch = [_lines_of([column[row] for column in table]) for row in range(begin, min(begin + _ROWS_AT_ONCE, rows))]
+        batch = [
+            _lines_of([column[row] for column in table]) for row in range(begin, min(begin + _ROWS_AT_ONCE, rows))
+        ]
         tolerance_m = [max(_FINEST_M, _SHARE * _extent(lines)) for lines in batch]
         steps_m += [float(f"{0.5 * one:.2g}") for one in tolerance_m]
         for place, column in enumerate(zip(*batch, strict=True)):
