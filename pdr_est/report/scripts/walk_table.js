@@ -90,7 +90,7 @@ function createWalkTable(parts, data, onChoose) {
   }
 
   function showRows() {
-    const size = Number(parts.rows.value) || state.order.length;
+    const size = Number(parts.rows.value);
     const pages = Math.max(Math.ceil(state.order.length / size), 1);
     state.page = Math.min(state.page, pages - 1);
     const rows = state.order.slice(state.page * size, (state.page + 1) * size);
@@ -121,7 +121,7 @@ function createWalkTable(parts, data, onChoose) {
   function step(by) {
     const place = Math.min(Math.max(state.order.indexOf(state.chosen) + by, 0), state.order.length - 1);
     if (place < 0) return;
-    const page = Math.floor(place / (Number(parts.rows.value) || state.order.length));
+    const page = Math.floor(place / Number(parts.rows.value));
     state.chosen = state.order[place];
     if (page !== state.page) { state.page = page; showRows(); }
     choose(state.chosen);
