@@ -265,6 +265,19 @@ def test_a_single_walk_with_few_values_has_a_page(
     assert texts(page.locator("#walks-table tbody tr"), 3) == ["–"]
 
 
+def test_variants_that_are_only_aligned_with_the_fixes_are_marked_where_that_matters(
+    open_page: OPEN, content: ComparisonContent, tmp_path: Path
+) -> None:
+    (tmp_path / "marked.html").write_text(render_comparison(replace(content, aligned=("far",))), encoding="utf-8")
+    page = open_page((tmp_path / "marked.html").as_uri())
+    expect(page.locator("#walks-table .sort", has_text="far")).to_have_text("far *")
+    expect(page.locator("#walks-aligned")).to_contain_text("takes no measurement from the position fixes")
+    expect(page.locator("#walk-lines .value").nth(1)).to_have_text(re.compile(r" m \*$"))
+    page.select_option("#walks-metric", "length_ratio")
+    expect(page.locator("#walks-table .sort", has_text="far")).to_have_text("far")
+    expect(page.locator("#walks-aligned")).to_be_hidden()
+
+
 def timed(page: Page, selector: str, times: int) -> Iterator[float]:
     """Time from a press until the next picture is drawn, ms."""
     measure = """(selector) => new Promise((done) => {

@@ -45,7 +45,7 @@ def test_columns_have_one_value_for_each_walk_and_variant() -> None:
     legs, own = data["metrics"]
     assert legs["unit"] == "m"
     assert legs["weights"] == [[7, 7], [7, None]]
-    assert own == {"name": "own_metric", "unit": "", "text": "", "ideal": None}
+    assert own == {"name": "own_metric", "unit": "", "text": "", "ideal": None, "with_fixes": False}
     assert [len(column) for column in data["lines"]["tracks"]] == [2, 2]
     assert data["lines"]["tracks"][1][1] == ""
 

@@ -1,6 +1,6 @@
 """Data that the scripts of the comparison page show: metrics of each walk, tracks, and curves of the errors."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,7 @@ def comparison_data(
     metrics: Sequence[str],
     group_by: Sequence[str],
     first_metric: str | None,
+    aligned: Collection[str] = (),
 ) -> dict[str, Any]:
     """Describe the results as JSON-serialisable columns.
 
@@ -43,6 +44,8 @@ def comparison_data(
         Names of the variants, of the metrics that have values, and of the keys that walks are grouped by.
     first_metric : str or None
         Metric that is shown first; None without any.
+    aligned : collection of str
+        Names of the variants whose estimator only aligns its track with the fixes.
     """
     rows = list(dict.fromkeys((one.walk, one.track) for one in outcomes))
     of_variant: dict[str, dict[Row, TrackOutcome]] = {name: {} for name in variants}
@@ -52,7 +55,13 @@ def comparison_data(
     styles = variant_styles(variants)
     return {
         "variants": [
-            {"name": name, "colour": f"--{styles[name].colour}", "dashes": styles[name].dashes} for name in variants
+            {
+                "name": name,
+                "colour": f"--{styles[name].colour}",
+                "dashes": styles[name].dashes,
+                "aligned": name in aligned,
+            }
+            for name in variants
         ],
         "first_metric": first_metric,
         "metrics": [_metric(name, table) for name in metrics],
@@ -66,13 +75,14 @@ def comparison_data(
 
 
 def _metric(name: str, table: Sequence[Sequence[TrackOutcome | None]]) -> dict[str, Any]:
-    """Describe a metric: name, unit, definition, ideal value, and the weights of the walks in its mean."""
+    """Describe a metric: name, unit, definition, and the weights of the walks in its mean."""
     known = DEFINITIONS.get(name)
     described = {
         "name": name,
         "unit": unit_of(name),
         "text": known.text if known else "",
         "ideal": known.ideal if known else None,
+        "with_fixes": known is not None and known.with_fixes,
     }
     if known is None or known.pooled_by is None:
         return described

@@ -80,9 +80,8 @@ def render_comparison(content: ComparisonContent) -> str:
     aligned = content.aligned if _fixed(content.outcomes) else ()
     assets = inline_assets(["leaflet", "uplot"], [*TRACK_MAP_SCRIPTS, *_SCRIPTS])
     shown = [metric for metric in content.metrics if any(one.metrics[metric] is not None for one in content.outcomes)]
-    data = comparison_data(
-        content.outcomes, content.variants, shown, content.group_by, _leading_metric(content, shown)
-    )
+    first_metric = _leading_metric(content, shown)
+    data = comparison_data(content.outcomes, content.variants, shown, content.group_by, first_metric, content.aligned)
     return (
         template_environment()
         .get_template("comparison.html.j2")

@@ -9,7 +9,8 @@ const ROUNDING = 1e-9;  // values that differ by less are equal
  *
  * A row is a track of a walk, by its number; `values[metric][variant][row]` is null where there is none.
  *
- * @returns the data, with value(metric, variant, row), off(metric, row), best(metric, row) and lines(row)
+ * @returns the data, with value(metric, variant, row), off(metric, row), best(metric, values), average(metric, variant, rows),
+ *   mark(metric, variant), lines(row) and nameOf(row)
  */
 function readComparison(text) {
   const data = JSON.parse(text);
@@ -49,9 +50,14 @@ function readComparison(text) {
     return { truth: decode(data.lines.truth[row]), tracks: data.lines.tracks.map((column) => decode(column[row])) };
   }
 
+  /** Return the mark of a value whose track was only aligned with the fixes, which does not compare with others. */
+  function mark(metric, variant) {
+    return metrics.get(metric).with_fixes && data.variants[variant].aligned ? ' *' : '';
+  }
+
   const value = (metric, variant, row) => columns(metric)[variant][row];
   const nameOf = (row) => (several ? `${data.walks[row]}, ${data.tracks[row]}` : data.walks[row]);
-  return { ...data, metric: (name) => metrics.get(name), value, off, best, average, lines, nameOf };
+  return { ...data, metric: (name) => metrics.get(name), value, off, best, average, mark, lines, nameOf };
 }
 
 /** Decode a line: differences of successive points in steps, 5 bits a character, the sign in the lowest bit. */

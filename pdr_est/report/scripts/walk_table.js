@@ -6,8 +6,8 @@ const FIRST_COLUMNS = 2;  // the walk, and how far it is off
 /**
  * Create the table.
  *
- * @param parts  elements: metric, rows (selects), keys (place of the filters), search, reset, meaning, count, table,
- *   pages
+ * @param parts  elements: metric, rows (selects), keys (place of the filters), search, reset, meaning, aligned
+ *   (or null), count, table, pages
  * @param data  of readComparison
  * @param onChoose  called with the row that the reader chose
  * @returns metric(), choose(row), step(by): choose the row before or after in the present order, and order()
@@ -67,7 +67,7 @@ function createWalkTable(parts, data, onChoose) {
 
   function showHead() {
     const { name, unit, text, ideal } = data.metric(state.metric);
-    const titles = ['walk', 'off by, mean', ...data.variants.map((one) => one.name)];
+    const titles = ['walk', 'off by, mean', ...data.variants.map((one, i) => one.name + data.mark(name, i))];
     const headings = titles.map((title, i) => makeElement('th', { className: i ? 'right' : '', scope: 'col' }, title));
     const averages = data.variants.map((_, variant) => data.average(name, variant, state.order));
     const best = data.best(name, averages.map(({ mean }) => mean));
@@ -83,6 +83,7 @@ function createWalkTable(parts, data, onChoose) {
     markSorted(headings, state.column, state.direction);
     const aim = ideal === null ? '' : ` Ideal:\u00a0${ideal}${unit ? `\u00a0${unit}` : ''}.`;
     parts.meaning.textContent = `${text}${aim}`;
+    if (parts.aligned) parts.aligned.hidden = data.variants.every((_, i) => !data.mark(name, i));
     const whole = data.walks.length;
     const shown = state.order.length;
     parts.count.textContent = shown === whole ? `All ${whole} tracks` : `${shown} of ${whole} tracks`;
@@ -132,8 +133,8 @@ function createWalkTable(parts, data, onChoose) {
 }
 
 /** Create the cell of a value, which is emphasised if it is the best one. */
-function valueCell(value, best = false) {
-  const text = formatNumber(value);
+function valueCell(value, best = false, mark = '') {
+  const text = formatNumber(value) + (value === null ? '' : mark);
   return makeElement('td', { className: 'right' }, best ? makeElement('strong', {}, text) : text);
 }
 

@@ -36,7 +36,7 @@ function createWalkTracks(parts, data) {
     truthEntry.hidden = !truth.x_m.length;
     const { unit } = data.metric(metric);
     values.forEach((place, i) => {
-      place.textContent = `${formatNumber(data.value(metric, i, row))} ${unit}`.trim();
+      place.textContent = `${formatNumber(data.value(metric, i, row))} ${unit}`.trim() + data.mark(metric, i);
     });
     showMetrics(row);
   }
@@ -50,7 +50,7 @@ function createWalkTracks(parts, data) {
       const link = text ? makeElement('a', { href: `#define-${name}` }, title) : title;
       const numbers = data.variants.map((_, i) => data.value(name, i, row));
       const best = data.best(name, numbers);
-      const cells = numbers.map((value, i) => valueCell(value, i === best));
+      const cells = numbers.map((value, i) => valueCell(value, i === best, data.mark(name, i)));
       return makeElement('tr', {}, makeElement('th', { scope: 'row' }, link), ...cells);
     });
     parts.values.replaceChildren(makeElement('thead', {}, makeElement('tr', {}, ...headings)), makeElement('tbody', {}, ...rows));
