@@ -9,8 +9,8 @@ const ROUNDING = 1e-9;  // values that differ by less are equal
  *
  * A row is a track of a walk, by its number; `values[metric][variant][row]` is null where there is none.
  *
- * @returns the data, with value(metric, variant, row), off(metric, row), best(metric, values), average(metric, variant, rows),
- *   mark(metric, variant), lines(row) and nameOf(row)
+ * @returns the data, with value(metric, variant, row), off(metric, row), best(metric, values),
+ *   average(metric, variant, rows), mark(metric, variant), lines(row) and nameOf(row)
  */
 function readComparison(text) {
   const data = JSON.parse(text);
@@ -99,7 +99,8 @@ function averageOf(values, weights) {
     whole += weight;
   });
   known.sort((a, b) => a - b);
-  return { mean: whole ? sum / whole : null, median: quantile(known, 0.5), p90: quantile(known, 0.9), n: known.length };
+  const mean = whole ? sum / whole : null;
+  return { mean, median: quantile(known, 0.5), p90: quantile(known, 0.9), n: known.length };
 }
 
 /** Interpolate a quantile linearly between ascending numbers. */

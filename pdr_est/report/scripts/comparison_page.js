@@ -7,8 +7,8 @@ const byId = (id) => document.getElementById(id);
 function startWalks(data) {
   const tracks = createWalkTracks({ map: byId('walk-map'), title: byId('walk-name'), legend: byId('walk-lines'),
     values: byId('walk-values') }, data);
-  const parts = Object.fromEntries(['metric', 'rows', 'keys', 'search', 'reset', 'meaning', 'aligned', 'count', 'table',
-    'pages'].map((name) => [name, byId(`walks-${name}`)]));
+  const names = ['metric', 'rows', 'keys', 'search', 'reset', 'meaning', 'aligned', 'count', 'table', 'pages'];
+  const parts = Object.fromEntries(names.map((name) => [name, byId(`walks-${name}`)]));
   let begun = false;
   const table = createWalkTable(parts, data, (row, metric) => {
     tracks.show(row, metric);

@@ -18,7 +18,10 @@ function createCurveChart(element, curve) {
     curve.lines.forEach((line, i) => { if (line.variant === variant) chart.setSeries(i + 1, { show: on }); });
   });
   element.replaceChildren(legend.list, place, readout);
-  const size = () => ({ width: place.clientWidth, height: Math.min(TALLEST_PX, Math.max(LOWEST_PX, 0.7 * place.clientWidth)) });
+  const size = () => {
+    const width = place.clientWidth;
+    return { width, height: Math.min(TALLEST_PX, Math.max(LOWEST_PX, 0.7 * width)) };
+  };
   const chart = new uPlot({
     ...size(),
     legend: { show: false },

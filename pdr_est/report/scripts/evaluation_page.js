@@ -13,7 +13,8 @@ function exploreEvaluation() {
     const { time_s, error_m } = unpackColumns(errors);
     return { name, colour, time_s, values: error_m, width: 1.8 };
   });
-  createTimeChart(document.getElementById('charts'), { title: 'error at the true positions', unit: 'm', digits: 2, height: 190, series }, cursor);
+  const chart = { title: 'error at the true positions', unit: 'm', digits: 2, height: 190, series };
+  createTimeChart(document.getElementById('charts'), chart, cursor);
   fillDeviceToggles(document.getElementById('map-toggles'), data, map);
   cursor.setTime(data.begin_s);
 }

@@ -37,7 +37,8 @@ function createWalkTable(parts, data, onChoose) {
   /** Find the rows that pass all filters, in the order of the data. */
   function passing() {
     const words = parts.search.value.trim().toLowerCase();
-    const set = filters.filter(({ select }) => select.value !== '').map(({ key, select }) => [key.of, Number(select.value)]);
+    const chosen = filters.filter(({ select }) => select.value !== '');
+    const set = chosen.map(({ key, select }) => [key.of, Number(select.value)]);
     return data.walks.map((_, row) => row).filter((row) => set.every(([of, value]) => of[row] === value)
       && (!words || data.nameOf(row).toLowerCase().includes(words)));
   }
@@ -68,12 +69,15 @@ function createWalkTable(parts, data, onChoose) {
   function showHead() {
     const { name, unit, text, ideal } = data.metric(state.metric);
     const titles = ['walk', 'off by, mean', ...data.variants.map((one, i) => one.name + data.mark(name, i))];
-    const headings = titles.map((title, i) => makeElement('th', { className: i ? 'right' : '', scope: 'col' }, title));
+    const headings = titles.map(
+      (title, i) => makeElement('th', { className: i ? 'right' : '', scope: 'col' }, title),
+    );
     const averages = data.variants.map((_, variant) => data.average(name, variant, state.order));
     const best = data.best(name, averages.map(({ mean }) => mean));
     const rows = [['mean', 'mean'], ['median', 'median'], ['90 %', 'p90']].map(([title, part]) => {
       const cells = averages.map((one, i) => valueCell(one[part], part === 'mean' && i === best));
-      return makeElement('tr', { className: 'average' }, makeElement('th', { scope: 'row' }, title), makeElement('td'), ...cells);
+      const heading = makeElement('th', { scope: 'row' }, title);
+      return makeElement('tr', { className: 'average' }, heading, makeElement('td'), ...cells);
     });
     head.replaceChildren(makeElement('tr', {}, ...headings), ...rows);
     headings.forEach((heading, column) => makeSortButton(heading, () => {
@@ -102,9 +106,11 @@ function createWalkTable(parts, data, onChoose) {
   function tableRow(row) {
     const values = data.variants.map((_, variant) => data.value(state.metric, variant, row));
     const best = data.best(state.metric, values);
-    const name = makeElement('th', { scope: 'row' }, makeElement('button', { type: 'button', class: 'walk' }, data.nameOf(row)));
+    const button = makeElement('button', { type: 'button', className: 'walk' }, data.nameOf(row));
+    const name = makeElement('th', { scope: 'row' }, button);
     const cells = values.map((value, i) => valueCell(value, i === best));
-    return makeElement('tr', { 'data-row': row, 'aria-current': String(row === state.chosen) }, name, valueCell(data.off(state.metric, row)), ...cells);
+    const properties = { 'data-row': row, 'aria-current': String(row === state.chosen) };
+    return makeElement('tr', properties, name, valueCell(data.off(state.metric, row)), ...cells);
   }
 
   function choose(row) {
@@ -149,7 +155,8 @@ function addFilter(place, key) {
 /** Show which page of a table is shown, with buttons to the others; nothing for a single one. */
 function showPages(place, page, pages, turnTo) {
   const button = (text, words, to) => {
-    const made = makeElement('button', { type: 'button', 'aria-label': words, disabled: to < 0 || to >= pages }, text);
+    const disabled = to < 0 || to >= pages;
+    const made = makeElement('button', { type: 'button', 'aria-label': words, disabled }, text);
     made.addEventListener('click', () => turnTo(to));
     return made;
   };

@@ -53,7 +53,8 @@ function createWalkTracks(parts, data) {
       const cells = numbers.map((value, i) => valueCell(value, i === best, data.mark(name, i)));
       return makeElement('tr', {}, makeElement('th', { scope: 'row' }, link), ...cells);
     });
-    parts.values.replaceChildren(makeElement('thead', {}, makeElement('tr', {}, ...headings)), makeElement('tbody', {}, ...rows));
+    const top = makeElement('thead', {}, makeElement('tr', {}, ...headings));
+    parts.values.replaceChildren(top, makeElement('tbody', {}, ...rows));
   }
 
   return { show, map };
