@@ -59,6 +59,7 @@ def photograph_report(browser: str, picture: Path) -> None:
         pdr_est(["demo", "-o", f"{folder}/demo", "--quiet"], standalone_mode=False)
         size = ",".join(str(pixels) for pixels in REPORT_SIZE)
         options = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={size}")
+        options += ("--virtual-time-budget=3000",)  # the map is drawn by scripts
         shot = Path(folder) / "shot.png"
         subprocess.run((browser, *options, f"--screenshot={shot}", f"file://{folder}/demo/report.html"), check=True)
         Image.open(shot).convert("P", palette=Image.Palette.ADAPTIVE, colors=128).save(picture, optimize=True)

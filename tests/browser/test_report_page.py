@@ -1,14 +1,194 @@
 """The report of a walk in a real browser."""
 
+import base64
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
-from playwright.sync_api import Page
+import numpy as np
+import pytest
+from playwright.sync_api import Page, Route, expect
 
+from pdr_est import pipeline
 from pdr_est.cli import main
+from pdr_est.config import Config, StartParams
+from pdr_est.report.background.reading import read_background
+from pdr_est.report.walk.result_files import write_results
+from pdr_est.simulate import preset, simulate_walk
+from pdr_est.types.recording import GeoOrigin
+
+OpenPage = Callable[..., Page]
+ONE_PIXEL = "R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
 
 
-def test_opens_without_an_error(tmp_path: Path, open_page: Callable[..., Page]) -> None:
-    assert main(["demo", "-o", str(tmp_path / "demo")], standalone_mode=False) in (None, 0)
-    page = open_page((tmp_path / "demo" / "report.html").as_uri())
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Address of the report of the demo with a fix that is known and a plan below the track."""
+    folder = tmp_path_factory.mktemp("report")
+    assert main(["demo", "-o", str(folder / "demo"), "-q"], standalone_mode=False) in (None, 0)
+    walk = folder / "demo" / "simulated-walk.csv"
+    simulated = simulate_walk(preset("office_loop"))
+    places_m = [np.interp((10.0, 60.0, 100.0), simulated.truth_time_s, one) for one in simulated.truth_position_m.T]
+    rows = [f"{time_s},{x_m:.2f},{y_m:.2f},0.5" for time_s, x_m, y_m in zip((10, 60, 100), *places_m, strict=True)]
+    (folder / "fixes.csv").write_text("\n".join(["time_s,x_m,y_m,sigma_m", *rows, ""]))
+    plan = '{"type": "LineString", "coordinate_unit": "metre", "coordinates": [[-5, -5], [30, -5], [30, 20]]}'
+    (folder / "plan.geojson").write_text(plan)
+    options = ["--fixes", str(folder / "fixes.csv"), "--background", str(folder / "plan.geojson"), "-q"]
+    options += ["--format", "tum"]
+    assert main(["smooth", str(walk), "-o", str(folder / "out"), *options], standalone_mode=False) in (None, 0)
+    return (folder / "out" / "report.html").as_uri()
+
+
+def cell(page: Page, number: int) -> str:
+    return page.locator("#cursor-table tbody td").nth(number).inner_text()
+
+
+def test_opens_without_an_error_and_shows_no_still_picture(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
     assert "pedestrian track" in page.title()
+    assert page.locator("#track-map canvas").count() > 3
+    assert page.locator(".chart canvas").count() >= 7
+    assert not page.locator(".still svg").first.is_visible()
+
+
+def test_without_scripts_the_pictures_are_shown(report: str, open_page: OpenPage) -> None:
+    page = open_page(report, java_script_enabled=False)
+    assert page.locator(".still svg").first.is_visible()
+    assert not page.locator("#track-map").is_visible()
+
+
+def test_in_print_the_pictures_are_shown(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    page.emulate_media(media="print")
+    assert page.locator(".still svg").first.is_visible()
+    assert not page.locator("#track-map").is_visible()
+
+
+def test_a_chart_moves_the_cursor_of_everything(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    lines = page.locator(".time-line")
+    before = [lines.nth(i).evaluate("line => line.style.transform") for i in range(lines.count())]
+    place = cell(page, 1)
+    over = page.locator(".chart .u-over").nth(2)
+    over.scroll_into_view_if_needed()
+    over.hover(position={"x": 300, "y": 30})
+    after = [lines.nth(i).evaluate("line => line.style.transform") for i in range(lines.count())]
+    assert all(one != other for one, other in zip(before, after, strict=True))
+    assert cell(page, 1) != place
+    assert page.locator(".time-now").inner_text() != "0.0 s"
+    assert float(page.locator(".time-slider").input_value()) > 5.0
+
+
+def test_pointing_at_a_step_on_the_map_shows_it(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    page.locator(".time-slider").evaluate("s => { s.value = 30; s.dispatchEvent(new Event('input')); }")
+    there = cell(page, 1)
+    x_m, y_m = (float(number.replace("−", "-")) for number in re.findall(r"[−\d.]+", there)[:2])
+    page.locator("#track-map").scroll_into_view_if_needed()
+    box = page.locator("#track-map").bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 60.0, box["y"] + 5.0)  # far from the track
+    page.locator(".time-slider").evaluate("s => { s.value = 0; s.dispatchEvent(new Event('input')); }")
+    assert cell(page, 1) != there
+    for across in range(1, 30):  # look for the place with the pointer
+        for down in range(1, 20):
+            page.mouse.move(box["x"] + across * box["width"] / 30, box["y"] + down * box["height"] / 20)
+            shown = page.locator(".map-place").inner_text()
+            at = [float(number.replace("−", "-")) for number in re.findall(r"[−-]?\d+\.\d", shown)]
+            if at and abs(at[0] - x_m) < 1.2 and abs(at[1] - y_m) < 1.2:
+                found = [float(n.replace("−", "-")) for n in re.findall(r"[−\d.]+", cell(page, 1))[:2]]
+                assert abs(found[0] - x_m) < 3.0
+                assert abs(found[1] - y_m) < 3.0
+                return
+    pytest.fail("the place of the step is not on the map")
+
+
+def test_zoom_of_one_chart_is_that_of_all(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    over = page.locator(".chart .u-over").first
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 200, box["y"] + 40)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 320, box["y"] + 40, steps=4)
+    page.mouse.up()
+    whole = page.locator("#time-window button", has_text="whole")
+    assert whole.get_attribute("aria-pressed") == "false"
+    page.locator("#time-window button", has_text="10 s").click()
+    assert page.locator("#time-window button", has_text="10 s").get_attribute("aria-pressed") == "true"
+    whole.click()
+    assert whole.get_attribute("aria-pressed") == "true"
+
+
+def test_playback_runs_and_stops(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    page.locator(".play").click()
+    page.wait_for_timeout(1000)
+    page.locator(".play").click()
+    stopped = page.locator(".time-slider").input_value()
+    assert 1.0 < float(stopped) < 20.0  # four times as fast as the walk
+    page.wait_for_timeout(150)
+    assert page.locator(".time-slider").input_value() == stopped
+
+
+def test_every_toggle_changes_the_map(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    boxes = page.locator("#map-toggles label")
+    assert {"95 % regions", "known positions", "truth", "dead reckoning", "background"} <= set(
+        boxes.all_inner_texts()
+    )
+    drawn = (
+        "[...document.querySelectorAll('#track-map canvas')].map((one) => one.toDataURL()).join()"
+        " + document.querySelectorAll('#track-map canvas').length"
+    )
+    for number in range(boxes.count()):
+        before = page.evaluate(drawn)
+        boxes.nth(number).locator("input").uncheck()
+        page.wait_for_timeout(60)
+        assert page.evaluate(drawn) != before, boxes.nth(number).inner_text()
+
+
+def test_files_are_offered(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    names = page.locator(".downloads a").evaluate_all("links => links.map((one) => one.getAttribute('href'))")
+    assert names == ["track.csv", "steps.csv", "summary.json", "track.tum"]
+    folder = Path(report.removeprefix("file://")).parent
+    assert all((folder / name).is_file() for name in names)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_fits_a_phone(report: str, open_page: OpenPage, scheme: str) -> None:
+    page = open_page(report, width=390, height=844, color_scheme=scheme, has_touch=True, is_mobile=True)
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    wide = "[...document.querySelectorAll('main *')].filter((one) => one.scrollWidth > one.clientWidth + 1"
+    wide += " && getComputedStyle(one).overflowX === 'auto' && one.offsetParent).map((one) => one.className)"
+    assert page.evaluate(wide) == []
+    page.locator(".chart .u-over").first.tap(position={"x": 150, "y": 40})
+    assert float(page.locator(".time-slider").input_value()) > 5.0
+
+
+def test_tiles_come_from_the_chosen_server_and_nowhere_else(tmp_path: Path, open_page: OpenPage) -> None:
+    recording = replace(simulate_walk(preset("office_loop")).recording, origin=GeoOrigin(48.2, 11.6))
+    config = replace(Config(), start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
+    walk = pipeline.smooth_recording(recording, config)
+    tiles = read_background("https://tiles.example.org/{z}/{x}/{y}.png")
+    write_results(tmp_path, walk, recording, config, {}, background=tiles)
+    asked: list[str] = []
+
+    def answer(route: Route) -> None:
+        asked.append(route.request.url)
+        route.fulfill(content_type="image/gif", body=base64.b64decode(ONE_PIXEL))
+
+    page = open_page("about:blank")
+    page.route(re.compile("^https?://"), answer)
+    page.goto((tmp_path / "report.html").as_uri())
+    expect(page.locator("#track-map img").nth(3)).to_be_attached()
+    page.locator(".leaflet-control-zoom-in").click()
+    page.wait_for_timeout(500)
+    assert {url.split("/")[2] for url in asked} == {"tiles.example.org"}
+    zoom, column, row = (int(part.removesuffix(".png")) for part in asked[0].split("/")[3:])
+    assert abs((11.6 + 180.0) / 360.0 * 2**zoom - column) < 4.0
+    assert abs(row / 2**zoom - 0.34678) < 0.001  # 48.2 degrees north
+    assert "Map: tiles.example.org" in page.locator(".map-credit").inner_text()

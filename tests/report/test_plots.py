@@ -112,7 +112,7 @@ def test_gait_plot_leaves_out_the_start_and_the_first_cadence(make_walk) -> None
     np.testing.assert_allclose(
         cadence.lines[0].get_ydata(), [60.0 * step.frequency_hz for step in walk.devices[0].steps[1:]]
     )
-    assert np.abs(heading.lines[0].get_ydata()).max() <= 180.0
+    assert np.abs(heading.lines[-1].get_ydata()).max() <= 180.0
 
 
 @pytest.mark.parametrize(("duration_s", "unit"), [(90.0, "s"), (600.0, "min"), (8 * 3600.0, "h")])

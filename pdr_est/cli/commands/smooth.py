@@ -46,6 +46,12 @@ from pdr_est.module_loading import loading_modules
 @jobs_option
 @formats_option("Default: tum, geojson, and where the place on the Earth is known kml, gpx.")
 @click.option(
+    "--background",
+    metavar="PLAN",
+    help="What lies below the track in report.html: a picture with a world file, GeoJSON, a folder of map tiles, or "
+    "https://…/{z}/{x}/{y}.png, which the page then loads.",
+)
+@click.option(
     "--report/--no-report",
     default=None,
     help="Write report.html. Default: for one walk, as it takes most of the time.",

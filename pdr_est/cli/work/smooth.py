@@ -28,6 +28,7 @@ from pdr_est.clock_sync import ClockMethod
 from pdr_est.errors import OutputError
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.preprocessing.moments import Moment
+from pdr_est.report.background.reading import read_background
 
 
 def smooth_walks(
@@ -48,6 +49,7 @@ def smooth_walks(
     each: bool,
     jobs: int,
     formats: tuple[str, ...] | None,
+    background: str | None,
     report: bool | None,
     overwrite: bool,
     quiet: bool,
@@ -63,7 +65,8 @@ def smooth_walks(
     paths = distinct_paths(path for group in found for path in group)
     many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping, devices)
     with_report = not many if report is None else report
-    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report, truth, formats)
+    below = None if background is None else read_background(background)
+    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report, truth, formats, below)
     if many:
         _smooth_many(paths, output, request, jobs, quiet)
         return

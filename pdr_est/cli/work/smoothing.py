@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pdr_est import pipeline
 from pdr_est.calibration.profile import LearntWalk, apply_profile
@@ -23,6 +23,9 @@ from pdr_est.io.side_tables.position_fixes import fixes_within
 from pdr_est.io.trajectories import read_trajectory
 from pdr_est.io.writers.checksums import file_digests
 from pdr_est.output.atomic_output import staged_folder
+
+if TYPE_CHECKING:
+    from pdr_est.report.background.kinds import Background
 
 REPORT = "report.html"
 
@@ -53,6 +56,8 @@ class SmoothRequest:
         File of true positions, which measure the errors.
     formats : tuple of str or None
         Formats of the track for other programs; None for the default.
+    background : Background or None
+        What lies below the track on the map of the report.
     """
 
     config: Config
@@ -65,6 +70,7 @@ class SmoothRequest:
     report: bool = True
     truth: Path | None = None
     formats: tuple[str, ...] | None = None
+    background: "Background | None" = None
 
 
 @dataclass(frozen=True)
@@ -167,7 +173,15 @@ def _smooth_into(
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
     digests |= {} if request.truth is None else {str(request.truth): file_digests(request.truth)[request.truth.name]}
     summary = write_results(
-        folder, walk, recorded, config, digests, prior, with_report=request.report, formats=request.formats
+        folder,
+        walk,
+        recorded,
+        config,
+        digests,
+        prior,
+        with_report=request.report,
+        formats=request.formats,
+        background=request.background,
     )
     return summary, learnt
 

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, with_unit
 from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.report.comparison import tables
+from pdr_est.report.comparison.comparison_data import comparison_data
 from pdr_est.report.comparison.plots import plot_coverage, plot_distribution, plot_growth, plot_tracks, variant_styles
+from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.walk.page import template_environment
@@ -21,6 +23,17 @@ from pdr_est.types.outcome import TrackOutcome
 _TRUTH = LegendEntry("truth", "muted", "true positions")
 _IDEAL = LegendEntry("line", "muted", "ideal", (1.6, 1.0))
 _MOST_FAILURES = 100  # shown
+_SCRIPTS = (
+    "dom.js",
+    "page_parts.js",
+    "comparison_data.js",
+    "table_sorting.js",
+    "definition_notes.js",
+    "curve_charts.js",
+    "walk_table.js",
+    "walk_tracks.js",
+    "comparison_page.js",
+)
 
 
 @dataclass(frozen=True)
@@ -65,12 +78,20 @@ class ComparisonContent:
 def render_comparison(content: ComparisonContent) -> str:
     """Render the page as text."""
     aligned = content.aligned if _fixed(content.outcomes) else ()
+    assets = inline_assets(["leaflet", "uplot"], [*TRACK_MAP_SCRIPTS, *_SCRIPTS])
     shown = [metric for metric in content.metrics if any(one.metrics[metric] is not None for one in content.outcomes)]
+    first_metric = _leading_metric(content, shown)
+    data = comparison_data(content.outcomes, content.variants, shown, content.group_by, first_metric, content.aligned)
     return (
         template_environment()
         .get_template("comparison.html.j2")
         .render(
             content=content,
+            assets=assets,
+            policy=assets.policy(),
+            data=inline_json(data),
+            explorable=bool(shown and content.outcomes),
+            curves=data["curves"],
             tiles=_tiles(content),
             averages=tables.averages_table(content.outcomes, content.variants, shown, content.aligned),
             aligned=aligned,
@@ -113,8 +134,8 @@ def _tables(content: ComparisonContent, metrics: Sequence[str]) -> list[tables.R
     return made
 
 
-def _panels(content: ComparisonContent) -> list[Panel]:
-    """Make the plots that the data allow: errors need true positions, coverage needs fixes."""
+def _panels(content: ComparisonContent) -> list[tuple[str, Panel]]:
+    """Make the plots that the data allow, by name: errors need true positions, coverage needs fixes."""
     legend = tuple(variant_styles(content.variants).values())
     outcomes, variants = content.outcomes, content.variants
     panels = []
@@ -126,25 +147,26 @@ def _panels(content: ComparisonContent) -> list[Panel]:
         )
         figure = plot_distribution(outcomes, variants)
         caption = f"Errors of all walks together, {where}. The smallest and the largest 2 % may lie outside the plot."
-        panels.append(_panel("Distribution of the errors", "cdf", figure, legend, caption))
+        panels.append(("cdf", _panel("Distribution of the errors", "cdf", figure, legend, caption)))
         caption = (
             f"Errors {where}. Thick: median; thin: 90th percentile; dots: single positions, where there are few."
         )
         figure = plot_growth(outcomes, variants)
-        panels.append(_panel("Error against distance", "growth", figure, legend, caption))
+        panels.append(("growth", _panel("Error against distance", "growth", figure, legend, caption)))
     if any(len(one.squared) for one in outcomes):
         caption = "Below the dashed line the covariance is too small (overconfident), above it too large."
         figure = plot_coverage(outcomes, variants)
-        panels.append(_panel("Consistency of the covariance", "coverage", figure, (*legend, _IDEAL), caption))
+        panels.append(
+            ("coverage", _panel("Consistency of the covariance", "coverage", figure, (*legend, _IDEAL), caption))
+        )
     return panels
 
 
 def _gallery(content: ComparisonContent, metrics: Sequence[str]) -> list[Panel]:
-    """Draw the worst, the median and the best walk by the first metric of the tracks, mean over the variants."""
-    if not metrics:
+    """Draw the worst, the median and the best walk by the leading metric of the tracks, mean over the variants."""
+    metric = _leading_metric(content, metrics)
+    if metric is None:
         return []
-    held_out = "error_heldout_m"
-    metric = held_out if held_out in metrics and _fixed(content.outcomes) else metrics[0]
     ideal = DEFINITIONS[metric].ideal if metric in DEFINITIONS else 0.0
     by_track: dict[tuple[str, str], list[TrackOutcome]] = {}
     for one in content.outcomes:
@@ -175,6 +197,12 @@ def _gallery(content: ComparisonContent, metrics: Sequence[str]) -> list[Panel]:
             )
         )
     return panels
+
+
+def _leading_metric(content: ComparisonContent, metrics: Sequence[str]) -> str | None:
+    """Choose the metric that walks are ordered by: the error at held-out positions, else the first one."""
+    held_out = "error_heldout_m"
+    return held_out if held_out in metrics and _fixed(content.outcomes) else next(iter(metrics), None)
 
 
 def _fixed(outcomes: Sequence[TrackOutcome]) -> bool:

@@ -1,26 +1,29 @@
 """Plots of the comparison: distribution and growth of the errors, consistency of the covariance, tracks."""
 
 from collections.abc import Sequence
-from itertools import chain
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLocator, PercentFormatter
-from scipy.stats import chi2
 
 from pdr_est.frames import Array
+from pdr_est.report.comparison.curves import (
+    NOMINAL,
+    coverage_shares,
+    differ_widely,
+    error_growth,
+    error_range,
+    growth_range,
+    pooled_values,
+)
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.types.outcome import TrackOutcome
 
 _DASHES: tuple[tuple[float, ...], ...] = ((), (3.2, 1.6), (1.1, 1.1), (5.0, 1.2, 1.1, 1.2))
 _HEIGHT_IN, _BOTTOM_IN, _TOP_IN = 3.2, 0.52, 0.12
-_WIDE_RANGE = ((0.5, 3.0), (0.9, 5.0))  # of a quantile of the variants: above it, a logarithmic axis shows them all
-_BINS = 12
-_FEWEST = 5  # errors in a bin, for a percentile
-_FEW = 100  # errors of a variant, which are drawn one by one
 _WIDE_M = 6.0
 
 
@@ -41,7 +44,7 @@ def variant_styles(variants: Sequence[str]) -> dict[str, LegendEntry]:
 def plot_distribution(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
     """Draw the cumulative distribution of the position errors of each variant."""
     figure, axes = _figure()
-    pools = [_pooled(outcomes, name, "error_m") for name in variants]
+    pools = [pooled_values(outcomes, name, "error_m") for name in variants]
     for number, pool in enumerate(pools):
         error_m = np.sort(pool)
         if not len(error_m):
@@ -49,11 +52,10 @@ def plot_distribution(outcomes: Sequence[TrackOutcome], variants: Sequence[str])
         share = np.arange(1, len(error_m) + 1) / len(error_m)
         step = np.unique(np.linspace(0, len(error_m) - 1, 400).round().astype(int))
         _line(axes, np.append(error_m[0], error_m[step]), np.append(0.0, share[step]), number, stairs=True)
-    highest = max((float(np.quantile(pool, 0.98)) for pool in pools if len(pool)), default=0.0) or 1.0
-    lowest = min((float(np.quantile(pool, 0.02)) for pool in pools if len(pool)), default=0.0)
-    if _differ_widely(pools) and lowest > 0.0:
+    lowest, highest = error_range(pools)
+    if differ_widely(pools) and lowest > 0.0:
         axes.set_xscale("log")
-        axes.set_xlim(lowest, max(highest, 1.01 * lowest))
+        axes.set_xlim(lowest, highest)
         _plain_logarithmic(axes.xaxis)
     else:
         axes.set_xlim(0.0, highest)
@@ -69,29 +71,18 @@ def plot_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
     Few errors also as dots.
     """
     figure, axes = _figure()
-    farthest = max((float(one.way_m.max()) for one in outcomes if len(one.way_m)), default=1.0)
-    pools = [_pooled(outcomes, name, "error_m") for name in variants]
-    most = max((len(pool) for pool in pools), default=0)
-    bins = int(np.clip(most // (2 * _FEWEST), 1, _BINS))
-    edges = np.linspace(0.0, farthest or 1.0, bins + 1)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    drawn: list[Array] = []
-    for number, (name, error_m) in enumerate(zip(variants, pools, strict=True)):
-        way_m = _pooled(outcomes, name, "way_m")
-        if most < _FEW:
+    growth = error_growth(outcomes, variants)
+    for number, name in enumerate(variants):
+        if growth.few:
+            way_m, error_m = (pooled_values(outcomes, name, field) for field in ("way_m", "error_m"))
             axes.plot(way_m, error_m, ".", color=svg.device_colour(number), markersize=4.0)
-            drawn.append(error_m[error_m > 0.0])
-        place = np.clip(np.searchsorted(edges, way_m, side="right") - 1, 0, bins - 1)
-        within = [error_m[place == i] for i in range(bins)]
-        for share, width in ((0.5, 2.2), (0.9, 1.0)):
-            high = np.array([np.quantile(part, share) if len(part) >= _FEWEST else np.nan for part in within])
-            _line(axes, middle, high, number, linewidth=width)
-            drawn.append(high[np.isfinite(high) & (high > 0.0)])
-    axes.set_xlim(0.0, farthest or 1.0)
-    heights = np.concatenate([*drawn, np.empty(0)])
-    if _differ_widely(pools) and len(heights):
+        _line(axes, growth.middle_m, growth.median_m[number], number, linewidth=2.2)
+        _line(axes, growth.middle_m, growth.p90_m[number], number, linewidth=1.0)
+    axes.set_xlim(0.0, growth.farthest_m)
+    limits = growth_range(growth, [pooled_values(outcomes, name, "error_m") for name in variants])
+    if limits[0] > 0.0:
         axes.set_yscale("log")
-        axes.set_ylim(0.8 * float(heights.min()), 1.25 * float(heights.max()))
+        axes.set_ylim(*limits)
         _plain_logarithmic(axes.yaxis)
     else:
         axes.set_ylim(bottom=0.0)
@@ -102,13 +93,11 @@ def plot_growth(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
 def plot_coverage(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
     """Draw the fraction of true positions inside the confidence region of each nominal probability."""
     figure, axes = _figure()
-    nominal = np.linspace(0.0, 1.0, 101)
-    limits = chi2.ppf(nominal, 2)
     axes.plot([0.0, 1.0], [0.0, 1.0], color=svg.MUTED, linewidth=1.0, dashes=(4, 2.5))
     for number, name in enumerate(variants):
-        squared = _pooled(outcomes, name, "squared")
+        squared = pooled_values(outcomes, name, "squared")
         if len(squared):
-            _line(axes, nominal, (squared[:, None] <= limits).mean(axis=0), number)
+            _line(axes, NOMINAL, coverage_shares(squared), number)
     for axis, set_limits in ((axes.xaxis, axes.set_xlim), (axes.yaxis, axes.set_ylim)):
         set_limits(0.0, 1.0)
         axis.set_major_formatter(PercentFormatter(1.0, decimals=0))
@@ -145,16 +134,6 @@ def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
     return figure
 
 
-def _differ_widely(pools: Sequence[Array]) -> bool:
-    """Check whether the medians, or the large errors, of some variants are of different orders of magnitude."""
-    known = [pool for pool in pools if len(pool)]
-    for share, widest in _WIDE_RANGE if known else ():
-        high = [float(np.quantile(pool, share)) for pool in known]
-        if max(high) > widest * min(high) > 0.0:
-            return True
-    return False
-
-
 def _plain_logarithmic(axis: Axis) -> None:
     """Write plain numbers at 1, 2 and 5 times the powers of ten of a logarithmic axis."""
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -173,8 +152,3 @@ def _line(axes: Axes, x: Array, y: Array, number: int, linewidth: float = 1.8, s
     dashes = _DASHES[number // len(svg.DEVICE_COLOURS) % len(_DASHES)]
     if dashes:
         line.set_dashes(dashes)
-
-
-def _pooled(outcomes: Sequence[TrackOutcome], variant: str, name: str) -> Array:
-    rows = [getattr(one, name) for one in outcomes if one.variant == variant]
-    return np.array(list(chain.from_iterable(rows)), dtype=np.float64)

@@ -1,6 +1,6 @@
 """The page of an evaluation: one HTML file that needs nothing but a browser."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -9,7 +9,9 @@ from markupsafe import Markup
 
 from pdr_est.evaluate.rigid_alignment import RigidTransform
 from pdr_est.report.evaluation.document import Evaluation, metric_rows, missing_rows
+from pdr_est.report.evaluation.explorable import evaluation_data
 from pdr_est.report.evaluation.plots import plot_errors
+from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.track import plot_track
@@ -19,6 +21,16 @@ from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track, concatenate
 
 _MOST_POSES = 4000  # of a device on the map: more than a plot can show
+_SCRIPTS = (
+    *TRACK_MAP_SCRIPTS,
+    "packed_columns.js",
+    "dom.js",
+    "page_parts.js",
+    "time_cursor.js",
+    "time_chart.js",
+    "playback_bar.js",
+    "evaluation_page.js",
+)
 
 
 def render_evaluation(evaluation: Evaluation, document: Mapping[str, Any]) -> str:
@@ -31,15 +43,20 @@ def render_evaluation(evaluation: Evaluation, document: Mapping[str, Any]) -> st
     document : mapping
         Its `evaluation_document`.
     """
+    tracks = [_moved(evaluation.track.of_device(score.device), score.transform) for score in evaluation.scores]
+    assets = inline_assets(["leaflet", "uplot"], _SCRIPTS)
     return (
         template_environment()
         .get_template("evaluation.html.j2")
         .render(
             document=document,
+            assets=assets,
+            policy=assets.policy(),
+            data=inline_json(evaluation_data(evaluation, tracks)),
             tiles=_evaluation_tiles(document),
             rows=metric_rows(document),
             missing=missing_rows(document),
-            panels=[_map_panel(evaluation), _error_panel(evaluation)],
+            panels=[_map_panel(evaluation, tracks), _error_panel(evaluation)],
         )
     )
 
@@ -55,9 +72,8 @@ def _evaluation_tiles(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def _map_panel(evaluation: Evaluation) -> Panel:
+def _map_panel(evaluation: Evaluation, moved: Sequence[Track]) -> Panel:
     """Make the map: the track of each device after its alignment, and the true positions."""
-    moved = [_moved(evaluation.track.of_device(score.device), score.transform) for score in evaluation.scores]
     track = concatenate(moved)
     figure = plot_track(track, (), evaluation.truth.position_m, evaluation.origin is not None)
     colours = [svg.css_name(svg.device_colour(number)) for number in range(len(moved))]

@@ -1,22 +1,49 @@
 """The report of a walk: one HTML file that needs nothing but a browser."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import yaml
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pdr_est.pipeline import SmoothedWalk
+from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
+from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.mode_style import mode_entry
-from pdr_est.report.walk.panels import time_panels, track_panel
+from pdr_est.report.walk.explorer_data import explorer_data
+from pdr_est.report.walk.fix_residuals import HELD_OUT, fix_residuals
+from pdr_est.report.walk.map_extras import NO_EXTRAS, MapExtras
+from pdr_est.report.walk.panels import time_panels, track_panel, truth_points
 from pdr_est.report.walk.summary import Json
+from pdr_est.report.walk.track_formats import result_files
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track
 
 NO_VALUE = "–"
+SCRIPTS = (
+    *TRACK_MAP_SCRIPTS,
+    "packed_columns.js",
+    "map_background.js",
+    "dom.js",
+    "time_cursor.js",
+    "time_chart.js",
+    "walk_charts.js",
+    "playback_bar.js",
+    "cursor_table.js",
+    "walk_explorer.js",
+)
+"""Scripts of the report in the order in which they run."""
 
 
-def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> str:
+def render_report(
+    walk: SmoothedWalk,
+    recording: Recording,
+    summary: Json,
+    extras: MapExtras = NO_EXTRAS,
+) -> str:
     """Render the page as text.
 
     Parameters
@@ -27,8 +54,16 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
         Recording that it was made from.
     summary : dict
         Summary by `summarise` of the same walk and recording.
+    extras : MapExtras
+        Further parts of the map.
     """
     told = {finding.words for finding in walk.track.findings}
+    truth, frame = recording.truth.positions, summary["frame"]
+    truth_m = truth_points(walk.track, truth, frame == "map")
+    residuals = fix_residuals(walk, truth, truth_m)
+    data = explorer_data(walk, residuals, truth_m, frame != "own", extras)
+    panel = track_panel(walk, recording, frame == "map", frame == "north-up")
+    assets = inline_assets(["leaflet", "uplot"], SCRIPTS)
     return (
         template_environment()
         .get_template("report.html.j2")
@@ -38,13 +73,27 @@ def render_report(walk: SmoothedWalk, recording: Recording, summary: Json) -> st
             tiles=_tiles(summary),
             warnings=[words for words in summary["warnings"] if words not in told],
             errors=_flat(summary["errors_against_truth"] or {}),
-            track=track_panel(walk, recording, summary["frame"] == "map", summary["frame"] == "north-up"),
+            track=panel,
             panels=time_panels(walk),
+            assets=assets,
+            policy=assets.policy(*extras.image_hosts),
+            image_hosts=extras.image_hosts,
+            data=inline_json(data),
+            files=result_files(summary.get("formats", {"written": ()})["written"]),
+            map_legend=_map_legend(panel.legend, extras.variants),
+            held_out=any(one.kind == HELD_OUT for one in residuals),
+            with_fixes=bool(residuals),
             models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
             mode_symbols={mode.name: mode_entry("strip", mode) for mode in CarryingMode},
             config_text=yaml.safe_dump(summary["config"], allow_unicode=True, sort_keys=False, width=100),
         )
     )
+
+
+def _map_legend(legend: Sequence[LegendEntry], variants: Mapping[str, Track]) -> list[LegendEntry]:
+    """Change the legend of the picture into that of the map, which has dots for fixes, and the variants."""
+    entries = [replace(one, symbol="dot") if one.symbol == "fix" else one for one in legend]
+    return entries + [LegendEntry("line", svg.css_name(svg.INK), name, (0.5, 1.5)) for name in variants]
 
 
 def template_environment() -> Environment:

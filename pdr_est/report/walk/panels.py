@@ -53,7 +53,7 @@ NOT_RECORDED = LegendEntry("shade", "muted", "not recorded")
 def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool, north_up: bool = False) -> Panel:
     """Make the map; a track that is not in the map frame has the truth aligned with it."""
     track, truth = walk.track, recording.truth.positions
-    truth_m = None if truth is None else _truth_points(track, truth, in_map_frame)
+    truth_m = truth_points(track, truth, in_map_frame)
     figure = plot_track(track, walk.fixes, truth_m, in_map_frame or north_up)
     legend = _track_lines(track)
     legend += [LegendEntry("ellipse", "muted", "95 % region"), LegendEntry("start", "ink", "start")]
@@ -78,10 +78,13 @@ def _track_lines(track: Track) -> list[LegendEntry]:
     return lines + mode_legend("band", legs)
 
 
-def _truth_points(track: Track, truth: TruePositions, in_map_frame: bool) -> Array | None:
-    """Bring the true positions (n, 2) into the frame of the track; None when that is not possible."""
-    if in_map_frame:
-        return truth.position_m
+def truth_points(track: Track, truth: TruePositions | None, in_map_frame: bool) -> Array | None:
+    """Bring the true positions (n, 2) into the frame of the track; None without any, or when that is not possible.
+
+    A track that is not in the map frame has the truth aligned with it.
+    """
+    if truth is None or in_map_frame:
+        return None if truth is None else truth.position_m
     first = track.of_device(track.devices[0])
     if len(first) < 2 or len(truth.time_s) < 2:
         return None

@@ -7,6 +7,7 @@ from typing import Any
 
 from pdr_est.calibration.profile import Profile
 from pdr_est.config import Config, config_to_dict
+from pdr_est.errors import RecordingError
 from pdr_est.evaluate.position_errors import LEAST_POINTS, open_metrics, point_errors
 from pdr_est.evaluate.time_association import associate
 from pdr_est.evaluate.trajectories.scores import consistency_metrics
@@ -15,13 +16,17 @@ from pdr_est.front_end.gait.model import model_digest
 from pdr_est.io.writers.steps_table import write_steps_csv
 from pdr_est.module_loading import loading_modules
 from pdr_est.output.atomic_output import write_text
-from pdr_est.pipeline import SmoothedWalk
+from pdr_est.pipeline import SmoothedWalk, estimate_tracks
+from pdr_est.report.background.kinds import Background
+from pdr_est.report.background.placement import MapPlacement, map_placement
 from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
-from pdr_est.report.walk.earth_placement import place_on_earth
+from pdr_est.report.walk.earth_placement import EarthPlacement, place_on_earth
+from pdr_est.report.walk.map_extras import NO_EXTRAS, MapExtras
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.report.walk.track_formats import WrittenTrack, write_track_formats
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
+from pdr_est.types.track import Track
 
 
 def write_results(
@@ -33,6 +38,7 @@ def write_results(
     profile: Profile | None = None,
     with_report: bool = True,
     formats: Sequence[str] | None = None,
+    background: Background | None = None,
 ) -> Json:
     """Write track.csv, steps.csv, summary.json, report.html, and the track in formats for other programs.
 
@@ -54,6 +60,8 @@ def write_results(
         False to leave out report.html, whose pictures take longer than all the rest.
     formats : sequence of str or None
         Formats of the track, names of `TRACK_FORMATS`; None for the default.
+    background : Background or None
+        What lies below the track on the map of the report; a warning says so if it cannot be placed.
 
     Returns
     -------
@@ -67,7 +75,49 @@ def write_results(
     RecordingError
         If a format that was chosen needs a place on the Earth and there is none.
     """
-    summary = summarise(
+    summary = _summary(walk, recording, config, inputs, profile)
+    earth = place_on_earth(walk.track, summary["frame"], recording, config.fixes)
+    summary |= _write_tracks(folder, walk, recording, earth, formats)
+    placement = map_placement(walk.track, summary["frame"], recording, earth)
+    extras, words = _map_extras(walk, config, background, placement) if with_report else (NO_EXTRAS, [])
+    summary["warnings"] += words
+    write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
+    if with_report:
+        _write_report(folder / "report.html", walk, recording, summary, extras)
+    return summary
+
+
+def _map_extras(
+    walk: SmoothedWalk, config: Config, background: Background | None, placement: MapPlacement
+) -> tuple[MapExtras, list[str]]:
+    """Collect the further parts of the map; return also the reason if the background cannot be placed."""
+    variants = _variants(walk, config)
+    if background is None:
+        return MapExtras(variants), []
+    points_m = walk.track.position_m
+    try:
+        below = background.placed(placement, points_m.min(axis=0), points_m.max(axis=0))
+    except RecordingError as error:  # only known after the long work, whose results are worth having
+        return MapExtras(variants), [str(error)]
+    return MapExtras(variants, below, background.image_hosts), []
+
+
+def _variants(walk: SmoothedWalk, config: Config) -> dict[str, Track]:
+    """Reckon the track without the fixes, which only align it, so that the map shows what they changed."""
+    if not walk.fixes or not walk.fixes_used:
+        return {}
+    track = estimate_tracks(walk.devices, config.with_estimator("dead-reckoning"), walk.fixes)
+    return {"dead reckoning": track.of_device(track.devices[-1])}
+
+
+def _summary(
+    walk: SmoothedWalk,
+    recording: Recording,
+    config: Config,
+    inputs: Mapping[str, str | None],
+    profile: Profile | None,
+) -> Json:
+    return summarise(
         walk,
         recording,
         config_to_dict(config),
@@ -78,11 +128,6 @@ def write_results(
         profile=profile,
         gait_model_sha256=_gait_digest(config),
     )
-    summary |= _write_tracks(folder, walk, recording, config, summary["frame"], formats)
-    write_text(folder / "summary.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
-    if with_report:
-        _write_report(folder / "report.html", walk, recording, summary)
-    return summary
 
 
 def _gait_digest(config: Config) -> str | None:
@@ -94,23 +139,21 @@ def _write_tracks(
     folder: Path,
     walk: SmoothedWalk,
     recording: Recording,
-    config: Config,
-    frame: str,
+    earth: EarthPlacement,
     formats: Sequence[str] | None,
 ) -> Json:
     """Write the tables of track and steps, and the track for other programs; return what the summary says of it."""
     walk.track.to_csv(folder / "track.csv")
     write_steps_csv({device.device: device.steps for device in walk.devices}, folder / "steps.csv")
-    earth = place_on_earth(walk.track, frame, recording, config.fixes)
     found = write_track_formats(WrittenTrack(walk.track, earth, recording, walk.fixes), folder, formats=formats)
     return {"on_earth": {"placed": earth.origin is not None, "meaning": earth.meaning}, "formats": found}
 
 
-def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json) -> None:
+def _write_report(path: Path, walk: SmoothedWalk, recording: Recording, summary: Json, extras: MapExtras) -> None:
     with loading_modules(), loading_matplotlib():
         from pdr_est.report.walk.page import render_report  # matplotlib is slow to load
 
-    write_text(path, render_report(walk, recording, summary))
+    write_text(path, render_report(walk, recording, summary, extras))
 
 
 def truth_errors(walk: SmoothedWalk, recording: Recording) -> dict[str, Any] | None:

@@ -118,6 +118,11 @@ TRACK_FORMATS: Mapping[str, TrackFormat] = MappingProxyType(
 """Formats by their name."""
 
 
+def result_files(written: Sequence[str]) -> list[str]:
+    """List the names of the result files of a walk beside its report, with the track in these formats."""
+    return ["track.csv", "steps.csv", "summary.json", *(f"track{TRACK_FORMATS[name].suffix}" for name in written)]
+
+
 def require_possible_formats(formats: Sequence[str] | None, recording: Recording) -> None:
     """Refuse a recording that has no place on the Earth when a format is chosen that needs one.
 
