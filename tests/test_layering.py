@@ -48,6 +48,7 @@ ORDER: list[set[str]] = [
     {"public_api"},
     {"online", "calibration", "training", "testing"},
     {"report"},
+    {"live"},
     {"experiment", "performance"},
     {"cli"},
     {"__main__"},
@@ -66,6 +67,11 @@ LIBRARIES = {
     "matplotlib": ("report", "types.track", "types.track_output"),
     "jinja2": ("report",),
     "click": ("cli",),
+    "starlette": ("live",),
+    "uvicorn": ("live",),
+    "websockets": ("live",),
+    "segno": ("live",),
+    "cryptography": ("live",),
 }
 MOST_LINES, MOST_FUNCTION_LINES = 300, 60
 MOST_LINES_OF_THE_TOP = 110  # pipeline/__init__.py reads as the algorithm

@@ -28,6 +28,7 @@ COMMANDS = MappingProxyType(
         "steps": "steps:steps_command",
         "smooth": "smooth:smooth_command",
         "track": "track:track_command",
+        "live": "live:live_command",
         "calibrate": "calibrate:calibrate_command",
         "convert": "convert:convert_command",
         "benchmark": "benchmark:benchmark",

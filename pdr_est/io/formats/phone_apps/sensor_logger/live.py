@@ -65,6 +65,11 @@ class LiveReader:
         self._common = _Common()
         self._phones: dict[str, _Phone] = {}
 
+    @property
+    def epoch_s(self) -> float | None:
+        """Return the Unix time of time zero, s; None before the first reading."""
+        return self._common.epoch_s
+
     def push(self, line: str) -> LiveUpdate:
         """Take one message.
 
@@ -96,6 +101,11 @@ class _Common:
     def __init__(self) -> None:
         self._zero_ns: int | None = None
         self._origin: GeoOrigin | None = None
+
+    @property
+    def epoch_s(self) -> float | None:
+        """Return time zero as Unix time, s; None before the first reading."""
+        return None if self._zero_ns is None else self._zero_ns / _NS
 
     def zero_ns(self, message: LiveMessage) -> int:
         """Return time zero, which is that of the first reading."""

@@ -1,0 +1,74 @@
+"""Poses of a live walk as a page gets them, and all of them so far for a page that opens later."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from pdr_est.online import Update
+from pdr_est.types.steps import CarryingMode
+
+MODES = tuple(mode.name for mode in sorted(CarryingMode))
+"""Names of the carrying modes by their number."""
+
+_MOST_KEPT = 20_000  # of each device: three hours of walking; then every second one of the older half is left out
+
+
+def pose_row(update: Update) -> list[Any]:
+    """Return a pose as a row for a page.
+
+    Returns
+    -------
+    list
+        Device, time s, begin of the step s, east m, north m, covariance xx, xy, yy m², heading deg, its standard
+        deviation deg, number of the mode, step length m.
+    """
+    covariance = update.covariance_m2
+    return [
+        update.device,
+        round(update.time_s, 6),
+        round(update.moving_from_s, 3),
+        *np.round(update.position_m, 4).tolist(),
+        *(float(f"{value:.4g}") for value in (covariance[0, 0], covariance[0, 1], covariance[1, 1])),
+        round(float(np.degrees(update.heading_rad)), 2),
+        round(float(np.degrees(update.sigma_heading_rad)), 2),
+        int(update.mode),
+        round(update.step_length_m, 3),
+    ]
+
+
+class PoseHistory:
+    """Latest pose of every device and time, of one kind; the oldest ones are thinned so that memory stays bounded."""
+
+    def __init__(self) -> None:
+        self._rows: dict[str, dict[float, list[Any]]] = {}
+        self._steps: dict[str, int] = {}
+
+    def add(self, updates: Iterable[Update]) -> list[list[Any]]:
+        """Take filtered updates; return their rows. Of several for one device and time the last one counts."""
+        found = []
+        for update in updates:
+            if update.kind != "filtered":
+                continue
+            row, rows = pose_row(update), self._rows.setdefault(update.device, {})
+            if row[1] not in rows and update.step_length_m > 0.0:
+                self._steps[update.device] = self._steps.get(update.device, 0) + 1
+            rows[row[1]] = row
+            found.append(row)
+            if len(rows) > _MOST_KEPT:
+                self._rows[update.device] = _thinned(rows)
+        return found
+
+    def steps(self, device: str) -> int:
+        """Return the number of steps of a device."""
+        return self._steps.get(device, 0)
+
+    def rows(self) -> list[list[Any]]:
+        """Return the rows of all poses that are kept, device by device in order of time."""
+        return [row for rows in self._rows.values() for _, row in sorted(rows.items())]
+
+
+def _thinned(rows: dict[float, list[Any]]) -> dict[float, list[Any]]:
+    times = sorted(rows)
+    half = len(times) // 2
+    return {time_s: rows[time_s] for time_s in (*times[:half:2], *times[half:])}

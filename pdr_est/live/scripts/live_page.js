@@ -1,0 +1,106 @@
+/** Show a walk while it happens: map, numbers, sensors, what is missing, and the report at the end. */
+'use strict';
+
+const MODE_WORDS = { UNKNOWN: 'not recognised', HOLDING: 'in the hand', SWING: 'swinging hand', POCKET: 'pocket', OTHER: 'elsewhere', TRANS: 'changing' };
+const KEPT_DELAYS = 2000;
+
+const byId = (id) => document.getElementById(id);
+const modeNames = JSON.parse(byId('modes').textContent);
+const liveMap = createTrackMap(byId('map'), {
+  modes: modeNames.map((name) => ({ name, colour: `--mode-${name.toLowerCase()}`, dashes: [] })),
+});
+const liveTrack = createLiveTrack(liveMap);
+const liveDelays = [];
+let pressed_ms = null;
+
+const link = createLink(take, (open, reason) => {
+  byId('state').textContent = open ? 'connected' : `connection lost: trying again${reason ? ` (${reason})` : ''}`;
+  if (open) { byId('notes').replaceChildren(); liveTrack.clear(); phone.reconnect(); }
+});
+const phone = createPhone(link, (words) => { byId('phone-state').textContent = words; });
+
+function take(message) {
+  if (message.type === 'poses') takePoses(message);
+  else if (message.type === 'fixes') liveTrack.setFixes(message.fixes);
+  else if (message.type === 'notes') message.notes.forEach(addNote);
+  else if (message.type === 'status') showStatus(message);
+  else if (message.type === 'state') showState(message);
+  else if (message.type === 'joined') byId('phone-state').textContent = `Sending as ${message.device}. Keep this page open and the screen on.`;
+}
+
+function takePoses(message) {
+  liveTrack.add(message.poses);
+  showNumbers();
+  if (!Number.isFinite(message.made_s)) return;
+  requestAnimationFrame(() => setTimeout(() => {  // after the frame with these poses has been drawn
+    const delay_s = link.now_s() - message.made_s;
+    if (!Number.isFinite(delay_s)) return;
+    liveDelays.push(1000 * delay_s);
+    if (liveDelays.length > KEPT_DELAYS) liveDelays.shift();
+    byId('delay').textContent = `${Math.round(1000 * delay_s)} ms`;
+  }, 0));
+}
+
+function showNumbers() {
+  const name = liveTrack.main();
+  const row = liveTrack.last(name);
+  if (!row) return;
+  const axes = ellipseAxes(row[5], row[6], row[7]);
+  byId('way').textContent = `${liveTrack.way_m(name).toFixed(1)} m`;
+  byId('radius').textContent = axes ? `${axes.long.toFixed(1)} m` : '–';
+  byId('place').textContent = `${row[3].toFixed(1)}, ${row[4].toFixed(1)} m`;
+  byId('mode').textContent = MODE_WORDS[modeNames[row[10]]] || '–';
+}
+
+function showStatus(status) {
+  byId('steps').textContent = status.phones.length ? status.phones.map((one) => one.steps).join(' + ') : '–';
+  byId('filter-delay').textContent = status.latency_s ? `${status.latency_s.toFixed(1)} s` : '–';
+  byId('missing').replaceChildren(...status.missing.map((words) => element('li', words)));
+  byId('missing-box').hidden = status.missing.length === 0;
+  byId('phones').replaceChildren(...status.phones.map((one) => {
+    const rates = one.sensors.map((sensor) => `${sensor.name} ${sensor.rate_hz.toFixed(0)} Hz`).join(', ');
+    const line = element('tr');
+    line.append(element('th', one.name), element('td', rates || 'nothing yet'), element('td', `${one.steps} steps`));
+    return line;
+  }));
+}
+
+function showState(message) {
+  const ended = message.state !== 'walking';
+  document.body.dataset.state = message.state;
+  byId('stop').disabled = ended;
+  byId('here').disabled = ended;
+  if (message.state === 'ending') byId('state').textContent = 'the walk has ended: smoothing it';
+  if (message.state !== 'ended') return;
+  byId('state').textContent = message.report ? 'the walk has ended' : 'the walk has ended: no report, see the notes';
+  if (!message.report || !byId('report').hidden) return;
+  byId('report-link').href = message.report;
+  byId('report-frame').src = message.report;
+  byId('report').hidden = false;
+}
+
+function addNote(words) {
+  byId('notes-box').hidden = false;
+  byId('notes').prepend(element('li', words));
+}
+
+function element(tag, text = '') {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  return made;
+}
+
+byId('sensors').addEventListener('click', () => { byId('sensors').disabled = true; phone.start(); });
+byId('stop').addEventListener('click', () => { if (confirm('End the walk?')) link.send({ type: 'stop' }); });
+byId('here').addEventListener('click', () => {
+  pressed_ms = performance.now();
+  byId('here-hint').hidden = false;
+});
+liveMap.leaflet.on('click', (event) => {
+  if (pressed_ms === null) return;
+  const ago_s = (performance.now() - pressed_ms) / 1000;
+  const sigma_m = Number(byId('sigma').value) || 1;
+  link.send({ type: 'fix', x_m: event.latlng.lng, y_m: event.latlng.lat, sigma_m, ago_s });
+  pressed_ms = null;
+  byId('here-hint').hidden = true;
+});

@@ -1,0 +1,334 @@
+"""One live walk: samples of any number of phones come in, poses go out, and everything received is recorded.
+
+Receivers call `take` from any thread. The samples are on the disk's way before `take` returns; the filter works in a
+thread of its own, so that neither a slow filter nor a slow page holds the recording up.
+"""
+
+import gc
+import queue
+import threading
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pdr_est.config import Config
+from pdr_est.errors import PdrError, RecordingError
+from pdr_est.live.limits import LiveLimits, SampleBudget
+from pdr_est.live.phones import PhoneMonitor, Source
+from pdr_est.live.poses import PoseHistory
+from pdr_est.live.recording_files import LiveRecording
+from pdr_est.online import ExpectedDevice, Tracker, Update
+from pdr_est.types.measurements import PositionFix
+from pdr_est.types.sensors import SensorBlock
+
+Message = dict[str, Any]
+"""Message for a page, which becomes JSON."""
+
+SYNC_EVERY_S = 1.0
+"""Time after which at the latest the disk holds what was received, s."""
+
+_MOST_NOTES = 200
+_FIX_SIGMA_RANGE_M = (0.05, 100.0)
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Samples that wait for the filter, and when the newest of them was made, s on the clock of the walk."""
+
+    device: str
+    blocks: tuple[SensorBlock, ...]
+    made_s: float
+
+
+class LiveSession:
+    """A walk that is tracked and recorded while it happens.
+
+    Parameters
+    ----------
+    config
+        Configuration of the tracker.
+    recording
+        Files that everything received goes to; None to record nothing, as for a replay.
+    limits
+        Limits of what a phone may send.
+    expected
+        Devices that are known beforehand.
+    epoch_s
+        Unix time of time zero, s; None for now.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        recording: LiveRecording | None,
+        limits: LiveLimits | None = None,
+        expected: Sequence[ExpectedDevice] = (),
+        epoch_s: float | None = None,
+    ) -> None:
+        self.limits = limits or LiveLimits()
+        self.recording = recording
+        self.epoch_s = time.time() if epoch_s is None else epoch_s
+        self._zero_s = time.monotonic() - (time.time() - self.epoch_s)
+        self._tracker = Tracker(config, list(expected))
+        self._queue: queue.Queue[_Samples | PositionFix | None] = queue.Queue()
+        self._lock = threading.RLock()
+        self._phones: dict[str, PhoneMonitor] = {}
+        self._budgets: dict[str, SampleBudget] = {}
+        self._listeners: list[Callable[[Message], None]] = []
+        self._history = PoseHistory()
+        self._fixes: list[list[float]] = []
+        self._notes: dict[str, None] = {}
+        self._state = "walking"
+        self._report: str | None = None
+        self._newest_s: float | None = None
+        self.ended = threading.Event()
+        self._threads = [
+            threading.Thread(target=work, name=name, daemon=True)
+            for name, work in (("tracker", self._work), ("sync", self._sync_again_and_again))
+        ]
+
+    def start(self) -> None:
+        """Begin to track. What is loaded is kept out of garbage collection, which would delay poses by 100 ms."""
+        gc.collect()
+        gc.freeze()
+        for thread in self._threads:
+            thread.start()
+
+    @property
+    def now_s(self) -> float:
+        """Return the present time on the clock of the walk, s."""
+        return time.monotonic() - self._zero_s
+
+    def data_time_s(self, ago_s: float) -> float:
+        """Return the time of the samples that were made some seconds ago, s."""
+        newest_s = self._newest_s
+        return (self.now_s if newest_s is None or self.recording is not None else newest_s) - ago_s
+
+    @property
+    def latency_s(self) -> float:
+        """Return the filter's own delay, s, which the declared latency of the tracker is."""
+        return self._tracker.latency_s
+
+    @property
+    def waiting(self) -> int:
+        """Return the number of inputs that the filter has not processed yet."""
+        return self._queue.qsize()
+
+    def join(self, source: Source, name: str | None = None) -> PhoneMonitor:
+        """Add a phone.
+
+        Parameters
+        ----------
+        source
+            Way in which its samples arrive.
+        name
+            Its name; None to give it one.
+
+        Raises
+        ------
+        RecordingError
+            If there are as many phones as the limits allow.
+        """
+        with self._lock:
+            if len(self._phones) >= self.limits.phones:
+                raise RecordingError(f"one more phone than the {self.limits.phones} that one walk may have")
+            number = len(self._phones) + 1
+            phone = PhoneMonitor(name or ("phone" if number == 1 else f"phone-{number}"), source)
+            self._phones[phone.name] = phone
+            self._budgets[phone.name] = SampleBudget(self.limits)
+            return phone
+
+    def take(self, phone: PhoneMonitor, blocks: Sequence[SensorBlock]) -> None:
+        """Record samples of a phone and hand them to the filter; nothing happens once the walk has ended.
+
+        Raises
+        ------
+        RecordingError
+            If the phone sends more than the limits allow.
+        OutputError
+            If the samples cannot be written.
+        """
+        blocks = tuple(block for block in blocks if len(block.time_s))
+        if not blocks or self._state != "walking":
+            return
+        with self._lock:
+            if not self._budgets[phone.name].take(sum(len(block.time_s) for block in blocks), time.monotonic()):
+                raise RecordingError(
+                    f"{phone.name}: more than {self.limits.samples_per_s:g} samples a second: choose a lower rate"
+                )
+            if self.recording is not None:
+                self.recording.add(phone.name, blocks)
+                if self.recording.size_bytes > self.limits.walk_bytes:
+                    self.tell(f"the recording has reached {self.limits.walk_bytes >> 20} MiB: the walk has ended")
+                    self.stop()
+            phone.note(blocks, self.now_s)
+        if self._queue.qsize() < self.limits.waiting_blocks:
+            self._newest_s = max(float(block.time_s[-1]) for block in blocks)
+            made_s = self.now_s if phone.source == "replay" else self._newest_s
+            self._queue.put(_Samples(phone.name, blocks, made_s))
+        else:
+            self.tell("this computer is too slow to follow: samples are recorded, but the track here has gaps")
+
+    def keep_message(self, text: str) -> None:
+        """Record a message of an app as it came."""
+        with self._lock:
+            if self.recording is not None and self._state == "walking":
+                self.recording.add_message(text)
+
+    def take_fix(self, x_m: float, y_m: float, sigma_m: float, time_s: float) -> None:
+        """Take the position that the walker states.
+
+        Parameters
+        ----------
+        x_m, y_m
+            East and north, m.
+        sigma_m
+            Standard deviation of each coordinate, m.
+        time_s
+            When the walker was there, s.
+
+        Raises
+        ------
+        RecordingError
+            For values that are no position.
+        """
+        low, high = _FIX_SIGMA_RANGE_M
+        if not (np.isfinite([x_m, y_m, time_s]).all() and low <= sigma_m <= high and max(abs(x_m), abs(y_m)) < 1e7):
+            raise RecordingError(
+                f"a position of ({x_m:g}, {y_m:g}) m within {sigma_m:g} m at {time_s:g} s: give finite numbers, with "
+                f"a standard deviation of {low:g} to {high:g} m"
+            )
+        self.put_fix(PositionFix(time_s, np.array([x_m, y_m]), sigma_m**2 * np.eye(2), "user", robust=True))
+
+    def put_fix(self, fix: PositionFix) -> None:
+        """Record a known position and hand it to the filter. Raises OutputError if it cannot be written."""
+        with self._lock:
+            if self._state != "walking":
+                return
+            if self.recording is not None:
+                self.recording.add_fix(fix)
+        self._queue.put(fix)
+
+    def stop(self) -> None:
+        """End the walk: what waits is processed, then `ended` is set."""
+        with self._lock:
+            if self._state != "walking":
+                return
+            self._state = "ending"
+        self._queue.put(None)
+        self._publish({"type": "state", "state": "ending"})
+
+    def tell(self, words: str) -> None:
+        """Show a note on the pages, once."""
+        with self._lock:
+            if words in self._notes or len(self._notes) >= _MOST_NOTES:
+                return
+            self._notes[words] = None
+        self._publish({"type": "notes", "notes": [words]})
+
+    def report_ready(self, address: str | None) -> None:
+        """Tell the pages where the report is, or None that there is none."""
+        with self._lock:
+            self._state, self._report = "ended", address
+        self._publish({"type": "state", "state": "ended", "report": address})
+
+    def listen(self, listener: Callable[[Message], None]) -> list[Message]:
+        """Call a function, from any thread, with every message from now on; return messages with all before."""
+        with self._lock:
+            self._listeners.append(listener)
+            return [
+                {"type": "poses", "poses": self._history.rows()},
+                {"type": "fixes", "fixes": self._fixes},
+                {"type": "notes", "notes": list(self._notes)},
+                {"type": "state", "state": self._state, "report": self._report},
+                self.status(),
+            ]
+
+    def unlisten(self, listener: Callable[[Message], None]) -> None:
+        """Call a function no more."""
+        with self._lock:
+            if listener in self._listeners:
+                self._listeners.remove(listener)
+
+    def status(self) -> Message:
+        """Describe phones, sensors and what is missing."""
+        with self._lock:
+            now_s = self.now_s
+            missing = [words for phone in self._phones.values() for words in phone.missing(now_s)]
+            if not self._phones:
+                missing = ["no phone yet: open this page on a phone, or let an app send here"]
+            return {
+                "type": "status",
+                "now_s": round(now_s, 2),
+                "latency_s": round(self.latency_s, 3),
+                "phones": [phone.as_json(now_s, self._history.steps(phone.name)) for phone in self._phones.values()],
+                "missing": missing if self._state == "walking" else [],
+            }
+
+    def _publish(self, message: Message) -> None:
+        with self._lock:
+            listeners = list(self._listeners)
+        for listener in listeners:
+            listener(message)
+
+    def _work(self) -> None:
+        """Feed the filter until the walk ends."""
+        while (item := self._queue.get()) is not None:
+            self._process(item)
+        self._process(None)
+        self._sync()
+        with self._lock:
+            if self.recording is not None:
+                self.recording.close()
+        self.ended.set()
+
+    def _sync_again_and_again(self) -> None:
+        while not self.ended.wait(SYNC_EVERY_S):
+            self._sync()
+
+    def _sync(self) -> None:
+        """Bring the recording to the disk, for which the filter does not wait."""
+        try:
+            if self.recording is not None:
+                self.recording.sync()
+        except PdrError as error:
+            self.tell(str(error))
+
+    def _process(self, item: _Samples | PositionFix | None) -> None:
+        """Feed one input to the filter and publish what follows from it."""
+        updates: list[Update] = []
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                if item is None:
+                    updates = self._tracker.flush()
+                elif isinstance(item, PositionFix):
+                    self._add_fix(item)
+                    updates = self._tracker.push_fix(item)
+                else:
+                    for block in item.blocks:
+                        updates += self._tracker.push(item.device, block)
+            except PdrError as error:
+                self.tell(str(error))
+        for warning in caught:
+            self.tell(str(warning.message))
+        for update in updates:
+            for finding in update.findings:
+                if finding.doubtful:
+                    self.tell(finding.words)
+        with self._lock:
+            rows = self._history.add(updates)
+        if rows:
+            made_s = item.made_s if isinstance(item, _Samples) else None
+            self._publish({"type": "poses", "poses": rows, "made_s": made_s})
+
+    def _add_fix(self, fix: PositionFix) -> None:
+        (xx, xy), (_, yy) = fix.covariance_m2.tolist()
+        row = [fix.time_s, *fix.position_m.tolist(), xx, xy, yy]
+        with self._lock:
+            self._fixes.append(row)
+        self._publish({"type": "fixes", "fixes": [row]})
