@@ -72,7 +72,7 @@ class PhoneMonitor:
         rates = {}
         for channel, arrivals in self._arrivals.items():
             recent = [(at_s, count) for at_s, count in arrivals if at_s >= now_s - _RATE_OVER_S]
-            since_s = now_s - (self._first_s or now_s)
+            since_s = 0.0 if self._first_s is None else now_s - self._first_s
             rates[channel] = sum(count for _, count in recent) / max(min(since_s, _RATE_OVER_S), 1.0)
         return rates
 

@@ -78,6 +78,7 @@ class LiveApp:
 
     def _application(self, *routes: Route | WebSocketRoute) -> ASGIApp:
         application = Starlette(routes=list(routes), exception_handlers={404: _nothing, 405: _nothing})
+        application.router.redirect_slashes = False
         return _with_headers(application)
 
     def _allowed(self, request: Request | WebSocket, token: str) -> bool:

@@ -48,6 +48,7 @@ def listen_on(host: str, port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((host, port))
+        listening.listen()  # whoever comes before the server is ready waits
     except (OSError, OverflowError) as error:
         listening.close()
         raise OutputError(

@@ -127,7 +127,11 @@ def test_the_browsers_own_sensors_make_the_track_of_the_file(tmp_path: Path, ope
     assert force is not None
     assert rate is not None
     until = force.time_s < force.time_s[0] + 60.0
-    signal = [force.time_s[until].tolist(), force.values[until].tolist(), rate.interpolated_at(force.time_s[until]).tolist()]
+    signal = [
+        force.time_s[until].tolist(),
+        force.values[until].tolist(),
+        rate.interpolated_at(force.time_s[until]).tolist(),
+    ]
     out = tmp_path / "out"
     with live_server("-o", str(out)) as address:
         page = open_page(address)

@@ -61,9 +61,7 @@ def show_live(
     if missing:
         raise ConfigError(f"pdr-est live: needs {', '.join(missing)}: install pdr-est[live]")
     if recordings and (phyphox_addresses or platform):
-        raise click.UsageError(
-            "--replay takes the place of phones: leave out --phyphox and --platform"
-        )
+        raise click.UsageError("--replay takes the place of phones: leave out --phyphox and --platform")
     if not recordings and fixes not in (None, RECORDED):
         raise click.UsageError("--fixes: of phones that record now only the word recording, or with --replay a table")
     config = resolve_config(**settings)

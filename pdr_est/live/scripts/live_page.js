@@ -58,7 +58,9 @@ function showStatus(status) {
   byId('missing').replaceChildren(...status.missing.map((words) => element('li', words)));
   byId('missing-box').hidden = status.missing.length === 0;
   byId('phones').replaceChildren(...status.phones.map((one) => {
-    const rates = one.sensors.map((sensor) => `${sensor.name} ${sensor.rate_hz.toFixed(0)} Hz`).join(', ');
+    const rates = one.sensors.map((sensor) => (
+      `${sensor.name} ${sensor.rate_hz ? `${sensor.rate_hz.toFixed(0)} Hz` : `silent after ${sensor.samples} samples`}`
+    )).join(', ');
     const line = element('tr');
     line.append(element('th', one.name), element('td', rates || 'nothing yet'), element('td', `${one.steps} steps`));
     return line;
@@ -72,6 +74,7 @@ function showState(message) {
   byId('here').disabled = ended;
   if (message.state === 'ending') byId('state').textContent = 'the walk has ended: smoothing it';
   if (message.state !== 'ended') return;
+  liveMap.fit();
   byId('state').textContent = message.report ? 'the walk has ended' : 'the walk has ended: no report, see the notes';
   if (!message.report || !byId('report').hidden) return;
   byId('report-link').href = message.report;

@@ -1,0 +1,176 @@
+"""The web application over real sockets: who gets in, what is taken, and what stays hidden."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from live_walks import PAGE, PUSH, Served, pushed_text, served
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from pdr_est.io.formats.registry import read
+from pdr_est.live.page import live_page
+from pdr_est.live.session import LiveSession, Message
+
+NewWalk = Callable[..., LiveSession]
+ALL = ("gravity", "accelerometer", "gyroscope")
+
+
+def link(server: Served, token: str = PAGE, **headers: str) -> ClientConnection:
+    return connect(f"ws://127.0.0.1:{server.port}/{token}/link", additional_headers=headers, proxy=None)
+
+
+def heard(socket: ClientConnection, kind: str) -> Message:
+    """The next message of a kind."""
+    while True:
+        message = json.loads(socket.recv(timeout=20.0))
+        if message["type"] == kind:
+            return message
+
+
+def end_of(socket: ClientConnection) -> str:
+    """Wait until the server closes the connection; return its reason."""
+    try:
+        while True:
+            socket.recv(timeout=20.0)
+    except ConnectionClosed as closed:
+        return "" if closed.rcvd is None else closed.rcvd.reason
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["", "page", f"{PUSH}/", "page-token", "wrong/", "wrong/report/report.html", f"{PAGE}/report/report.html"],
+)
+def test_without_the_token_there_is_nothing(new_walk: NewWalk, path: str) -> None:
+    with served(new_walk(None)) as server:
+        assert server.ask(path)[0] in (404, 405)
+
+
+def test_the_page_may_run_its_own_scripts_only(new_walk: NewWalk) -> None:
+    page, policy = live_page()
+    with served(new_walk(None)) as server:
+        status, text, headers = server.ask(f"{PAGE}/")
+    assert (status, text) == (200, page)
+    assert headers["content-security-policy"] == policy
+    assert "default-src 'none'" in policy
+    assert "unsafe-inline" not in policy.split("style-src")[0]
+    assert headers["referrer-policy"] == "no-referrer"
+    assert "http" not in page.split("<style>")[0]  # nothing is loaded from elsewhere
+
+
+def test_only_the_named_files_of_the_report_are_served(new_walk: NewWalk, tmp_path: Path) -> None:
+    for name in ("report.html", "secret.txt"):
+        (tmp_path / name).write_text(name, encoding="utf-8")
+    (tmp_path.parent / "outside.txt").write_text("outside", encoding="utf-8")
+    with served(new_walk(None)) as server:
+        server.application.publish_report(tmp_path, ["report.html"])
+        assert server.ask(f"{PAGE}/report/report.html")[:2] == (200, "report.html")
+        for path in ("secret.txt", "../outside.txt", "..%2foutside.txt", "%2e%2e/outside.txt", "/etc/passwd", ""):
+            assert server.ask(f"{PAGE}/report/{path}")[0] == 404, path
+        assert server.ask("wrong/report/report.html")[0] == 404
+
+
+def test_pushed_messages_are_recorded_and_shown(new_walk: NewWalk, tmp_path: Path) -> None:
+    with served(new_walk(tmp_path / "walk")) as server, link(server) as socket:
+        heard(socket, "status")
+        for number in range(4):
+            text = pushed_text(ALL, number, time_s=server.session.epoch_s + number)
+            assert server.ask(f"{PUSH}/push", text.encode())[:2] == (200, "ok")
+        (phone,) = heard(socket, "status")["phones"]
+    assert [sensor["name"] for sensor in phone["sensors"]] == ["accelerometer", "gyroscope"]
+    device = read(tmp_path / "walk" / "phone.csv").devices[0]
+    assert device.rotation_rate is not None
+    assert len(device.rotation_rate) == 400
+
+
+@pytest.mark.parametrize(
+    ("content", "status", "words"),
+    [(b"nonsense", 400, "JSON"), (b"\xff\xfe{", 400, "JSON"), (b" " * 2_000_000, 413, "MiB")],
+)
+def test_a_bad_push_is_refused_in_words(new_walk: NewWalk, content: bytes, status: int, words: str) -> None:
+    with served(new_walk(None, push_bytes=1_000_000)) as server:
+        found, text, _ = server.ask(f"{PUSH}/push", content)
+        assert found == status
+        assert words in text
+        assert server.ask(f"{PAGE}/push", content)[0] == 404  # a page's token does not push
+        assert server.ask(f"{PUSH}/push", pushed_text(ALL).encode())[0] == 200  # and the next one is taken
+
+
+def test_a_page_becomes_a_phone_states_positions_and_stops(new_walk: NewWalk, tmp_path: Path) -> None:
+    with served(new_walk(tmp_path / "walk")) as server, link(server) as socket:
+        socket.send(json.dumps({"type": "ping", "sent": 5.0}))
+        pong = heard(socket, "pong")
+        assert pong["sent"] == 5.0
+        assert pong["now_s"] == pytest.approx(server.session.now_s, abs=2.0)
+        socket.send(json.dumps({"type": "phone", "id": "a"}))
+        assert heard(socket, "joined")["device"] == "phone"
+        rows = [[pong["now_s"] + 0.01 * i, 0.0, 0.0, 9.8, 0.0, 0.0, 0.0] for i in range(10)]
+        socket.send(json.dumps({"type": "motion", "rows": rows, "up": [0, 0, 1], "ios": False}))
+        socket.send(json.dumps({"type": "fix", "x_m": 1.0, "y_m": 2.0, "sigma_m": 0.5, "ago_s": 1.0}))
+        while not (fixes := heard(socket, "fixes")["fixes"]):
+            pass
+        assert fixes[0][1:] == [1.0, 2.0, 0.25, 0.0, 0.25]
+        with link(server) as again:  # a page that comes back is the same phone, and another one is not
+            again.send(json.dumps({"type": "phone", "id": "a"}))
+            assert heard(again, "joined")["device"] == "phone"
+            again.send(json.dumps({"type": "phone", "id": "b"}))
+            assert heard(again, "joined")["device"] == "phone-2"
+            assert heard(again, "status")["phones"]
+        socket.send(json.dumps({"type": "stop"}))
+        while heard(socket, "state")["state"] == "walking":
+            pass
+        assert server.session.ended.wait(20.0)
+    assert (tmp_path / "walk" / "fixes.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "null", "{", "[" * 10_000, json.dumps({"type": ["fix"]}), json.dumps({"type": "motion", "rows": 1})],
+)
+def test_nonsense_does_no_harm(new_walk: NewWalk, text: str) -> None:
+    with served(new_walk(None)) as server, link(server) as socket:
+        socket.send(text)
+        socket.send(json.dumps({"type": "ping", "sent": 1}))
+        assert heard(socket, "pong")["sent"] == 1
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"type": "fix", "x_m": "1", "y_m": 0, "sigma_m": 1, "ago_s": 0},
+        {"type": "fix", "x_m": 1, "y_m": 0, "sigma_m": 0, "ago_s": 0},
+        {"type": "fix"},
+    ],
+)
+def test_a_damaged_position_ends_the_connection_and_is_told(new_walk: NewWalk, message: Message) -> None:
+    with served(new_walk(None)) as server:
+        with link(server) as socket:
+            socket.send(json.dumps(message))
+            assert "a position" in end_of(socket)
+        with link(server) as socket:
+            assert "position" in heard(socket, "notes")["notes"][0]
+
+
+def test_a_message_that_is_too_large_ends_the_connection(new_walk: NewWalk) -> None:
+    with served(new_walk(None, message_bytes=10_000)) as server, link(server) as socket:
+        socket.send("x" * 20_000)
+        end_of(socket)
+
+
+def test_other_pages_and_strangers_get_no_connection(new_walk: NewWalk) -> None:
+    with served(new_walk(None)) as server:
+        for token, headers in (("wrong", {}), (PUSH, {}), (PAGE, {"Origin": "http://elsewhere.example"})):
+            with pytest.raises((InvalidStatus, ConnectionClosed)), link(server, token, **headers) as socket:
+                socket.recv(timeout=20.0)
+        with link(server, PAGE, Origin=f"http://127.0.0.1:{server.port}") as socket:
+            heard(socket, "status")
+
+
+def test_the_number_of_connections_is_bounded(new_walk: NewWalk) -> None:
+    with served(new_walk(None, connections=4)) as server:
+        sockets = []
+        with pytest.raises(InvalidStatus, match="503"):
+            sockets += [link(server) for _ in range(10)]
+        for socket in sockets:
+            socket.close()
