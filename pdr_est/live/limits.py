@@ -17,8 +17,11 @@ class LiveLimits:
     phones: Count = 8
     """Number of phones of one walk."""
 
+    pages: Count = 24
+    """Number of pages that are open at the same time."""
+
     connections: Count = 48
-    """Number of connections at the same time, of pages and of apps."""
+    """Number of all connections at the same time; a request beyond is refused."""
 
     message_bytes: Count = 256 * 1024
     """Size of a message from a page, bytes: a minute of motion sensors that a page kept while it was offline."""

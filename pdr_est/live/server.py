@@ -56,6 +56,7 @@ class LiveApp:
         self._page_token, self._push_token = page_token, push_token
         self._phones: dict[str, Any] = {}
         self._push_lock = asyncio.Lock()
+        self._open_pages = 0
         self.report_folder: Path | None = None
         self.report_files: Collection[str] = ()
 
@@ -123,6 +124,10 @@ class LiveApp:
             await socket.close(_POLICY_VIOLATION)
             return
         await socket.accept()
+        if self._open_pages >= self._session.limits.pages:
+            await _closed(socket, _TRY_AGAIN, "too many pages are open")
+            return
+        self._open_pages += 1
         visitor = Visitor(self._session, self._phones)
         sending = asyncio.create_task(self._send(socket, visitor))
         try:
@@ -136,6 +141,7 @@ class LiveApp:
         except (WebSocketDisconnect, RuntimeError, KeyError):  # gone, closed here meanwhile, or not a text
             pass
         finally:
+            self._open_pages -= 1
             visitor.leave()
             sending.cancel()
 

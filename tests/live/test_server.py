@@ -1,7 +1,10 @@
 """The web application over real sockets: who gets in, what is taken, and what stays hidden."""
 
 import json
+import socket
+import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -21,19 +24,19 @@ def link(server: Served, token: str = PAGE, **headers: str) -> ClientConnection:
     return connect(f"ws://127.0.0.1:{server.port}/{token}/link", additional_headers=headers, proxy=None)
 
 
-def heard(socket: ClientConnection, kind: str) -> Message:
+def heard(page: ClientConnection, kind: str) -> Message:
     """The next message of a kind."""
     while True:
-        message = json.loads(socket.recv(timeout=20.0))
+        message = json.loads(page.recv(timeout=20.0))
         if message["type"] == kind:
             return message
 
 
-def end_of(socket: ClientConnection) -> str:
+def end_of(page: ClientConnection) -> str:
     """Wait until the server closes the connection; return its reason."""
     try:
         while True:
-            socket.recv(timeout=20.0)
+            page.recv(timeout=20.0)
     except ConnectionClosed as closed:
         return "" if closed.rcvd is None else closed.rcvd.reason
 
@@ -72,12 +75,12 @@ def test_only_the_named_files_of_the_report_are_served(new_walk: NewWalk, tmp_pa
 
 
 def test_pushed_messages_are_recorded_and_shown(new_walk: NewWalk, tmp_path: Path) -> None:
-    with served(new_walk(tmp_path / "walk")) as server, link(server) as socket:
-        heard(socket, "status")
+    with served(new_walk(tmp_path / "walk")) as server, link(server) as page:
+        heard(page, "status")
         for number in range(4):
             text = pushed_text(ALL, number, time_s=server.session.epoch_s + number)
             assert server.ask(f"{PUSH}/push", text.encode())[:2] == (200, "ok")
-        (phone,) = heard(socket, "status")["phones"]
+        (phone,) = heard(page, "status")["phones"]
     assert [sensor["name"] for sensor in phone["sensors"]] == ["accelerometer", "gyroscope"]
     device = read(tmp_path / "walk" / "phone.csv").devices[0]
     assert device.rotation_rate is not None
@@ -98,17 +101,17 @@ def test_a_bad_push_is_refused_in_words(new_walk: NewWalk, content: bytes, statu
 
 
 def test_a_page_becomes_a_phone_states_positions_and_stops(new_walk: NewWalk, tmp_path: Path) -> None:
-    with served(new_walk(tmp_path / "walk")) as server, link(server) as socket:
-        socket.send(json.dumps({"type": "ping", "sent": 5.0}))
-        pong = heard(socket, "pong")
+    with served(new_walk(tmp_path / "walk")) as server, link(server) as page:
+        page.send(json.dumps({"type": "ping", "sent": 5.0}))
+        pong = heard(page, "pong")
         assert pong["sent"] == 5.0
         assert pong["now_s"] == pytest.approx(server.session.now_s, abs=2.0)
-        socket.send(json.dumps({"type": "phone", "id": "a"}))
-        assert heard(socket, "joined")["device"] == "phone"
+        page.send(json.dumps({"type": "phone", "id": "a"}))
+        assert heard(page, "joined")["device"] == "phone"
         rows = [[pong["now_s"] + 0.01 * i, 0.0, 0.0, 9.8, 0.0, 0.0, 0.0] for i in range(10)]
-        socket.send(json.dumps({"type": "motion", "rows": rows, "up": [0, 0, 1], "ios": False}))
-        socket.send(json.dumps({"type": "fix", "x_m": 1.0, "y_m": 2.0, "sigma_m": 0.5, "ago_s": 1.0}))
-        while not (fixes := heard(socket, "fixes")["fixes"]):
+        page.send(json.dumps({"type": "motion", "rows": rows, "up": [0, 0, 1], "ios": False}))
+        page.send(json.dumps({"type": "fix", "x_m": 1.0, "y_m": 2.0, "sigma_m": 0.5, "ago_s": 1.0}))
+        while not (fixes := heard(page, "fixes")["fixes"]):
             pass
         assert fixes[0][1:] == [1.0, 2.0, 0.25, 0.0, 0.25]
         with link(server) as again:  # a page that comes back is the same phone, and another one is not
@@ -117,8 +120,8 @@ def test_a_page_becomes_a_phone_states_positions_and_stops(new_walk: NewWalk, tm
             again.send(json.dumps({"type": "phone", "id": "b"}))
             assert heard(again, "joined")["device"] == "phone-2"
             assert heard(again, "status")["phones"]
-        socket.send(json.dumps({"type": "stop"}))
-        while heard(socket, "state")["state"] == "walking":
+        page.send(json.dumps({"type": "stop"}))
+        while heard(page, "state")["state"] == "walking":
             pass
         assert server.session.ended.wait(20.0)
     assert (tmp_path / "walk" / "fixes.csv").is_file()
@@ -129,10 +132,10 @@ def test_a_page_becomes_a_phone_states_positions_and_stops(new_walk: NewWalk, tm
     ["", "[]", "null", "{", "[" * 10_000, json.dumps({"type": ["fix"]}), json.dumps({"type": "motion", "rows": 1})],
 )
 def test_nonsense_does_no_harm(new_walk: NewWalk, text: str) -> None:
-    with served(new_walk(None)) as server, link(server) as socket:
-        socket.send(text)
-        socket.send(json.dumps({"type": "ping", "sent": 1}))
-        assert heard(socket, "pong")["sent"] == 1
+    with served(new_walk(None)) as server, link(server) as page:
+        page.send(text)
+        page.send(json.dumps({"type": "ping", "sent": 1}))
+        assert heard(page, "pong")["sent"] == 1
 
 
 @pytest.mark.parametrize(
@@ -145,32 +148,42 @@ def test_nonsense_does_no_harm(new_walk: NewWalk, text: str) -> None:
 )
 def test_a_damaged_position_ends_the_connection_and_is_told(new_walk: NewWalk, message: Message) -> None:
     with served(new_walk(None)) as server:
-        with link(server) as socket:
-            socket.send(json.dumps(message))
-            assert "a position" in end_of(socket)
-        with link(server) as socket:
-            assert "position" in heard(socket, "notes")["notes"][0]
+        with link(server) as page:
+            page.send(json.dumps(message))
+            assert "a position" in end_of(page)
+        with link(server) as page:
+            assert "position" in heard(page, "notes")["notes"][0]
 
 
 def test_a_message_that_is_too_large_ends_the_connection(new_walk: NewWalk) -> None:
-    with served(new_walk(None, message_bytes=10_000)) as server, link(server) as socket:
-        socket.send("x" * 20_000)
-        end_of(socket)
+    with served(new_walk(None, message_bytes=10_000)) as server, link(server) as page:
+        page.send("x" * 20_000)
+        end_of(page)
 
 
 def test_other_pages_and_strangers_get_no_connection(new_walk: NewWalk) -> None:
     with served(new_walk(None)) as server:
         for token, headers in (("wrong", {}), (PUSH, {}), (PAGE, {"Origin": "http://elsewhere.example"})):
-            with pytest.raises((InvalidStatus, ConnectionClosed)), link(server, token, **headers) as socket:
-                socket.recv(timeout=20.0)
-        with link(server, PAGE, Origin=f"http://127.0.0.1:{server.port}") as socket:
-            heard(socket, "status")
+            with pytest.raises((InvalidStatus, ConnectionClosed)), link(server, token, **headers) as page:
+                page.recv(timeout=20.0)
+        with link(server, PAGE, Origin=f"http://127.0.0.1:{server.port}") as page:
+            heard(page, "status")
+
+
+def test_the_number_of_pages_is_bounded(new_walk: NewWalk) -> None:
+    with served(new_walk(None, pages=2)) as server:
+        with link(server) as first, link(server) as second:
+            heard(first, "status")
+            heard(second, "status")
+            with link(server) as third:
+                assert end_of(third) == "too many pages are open"
+        with link(server) as fourth:
+            heard(fourth, "status")
 
 
 def test_the_number_of_connections_is_bounded(new_walk: NewWalk) -> None:
-    with served(new_walk(None, connections=4)) as server:
-        sockets = []
-        with pytest.raises(InvalidStatus, match="503"):
-            sockets += [link(server) for _ in range(10)]
-        for socket in sockets:
-            socket.close()
+    with served(new_walk(None, connections=3)) as server, ExitStack() as waiting:
+        for _ in range(5):
+            waiting.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=20.0))
+        time.sleep(0.2)
+        assert server.ask(f"{PAGE}/")[0] == 503
