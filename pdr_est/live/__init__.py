@@ -13,7 +13,6 @@ final_report     the smoothed walk and its report at the end
 server           the web application
 visitor          one page that is open somewhere
 serving          ports and their servers
-page             the page in one document, and its security policy
 addresses        secret parts of addresses, QR code, certificate
 limits           how much a client may send
 ===============  =========================================================================================

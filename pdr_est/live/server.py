@@ -8,6 +8,7 @@ import asyncio
 import json
 import secrets
 from collections.abc import Callable, Collection
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,11 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from pdr_est.errors import OutputError, PdrError
-from pdr_est.live.page import live_page
+from pdr_est.live.poses import MODES
 from pdr_est.live.receivers.pushed import PushedMessages
 from pdr_est.live.session import LiveSession
 from pdr_est.live.visitor import Visitor
+from pdr_est.report.live_page import render_live_page
 
 STATUS_EVERY_S = 1.0
 """Pause between two messages with the state of the phones, s."""
@@ -157,6 +159,12 @@ class LiveApp:
             pass
         finally:
             reporting.cancel()
+
+
+@cache
+def live_page() -> tuple[str, str]:
+    """Return the page and its Content-Security-Policy."""
+    return render_live_page(MODES)
 
 
 async def _again_and_again(work: Callable[[], None]) -> None:

@@ -13,7 +13,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from pdr_est.io.formats.registry import read
-from pdr_est.live.page import live_page
+from pdr_est.live.server import live_page
 from pdr_est.live.session import LiveSession, Message
 
 NewWalk = Callable[..., LiveSession]
