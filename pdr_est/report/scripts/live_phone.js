@@ -1,7 +1,7 @@
 /** Send the motion sensors of this phone while the page is open. */
 'use strict';
 
-const SEND_EVERY_MS = 30;
+const SEND_EVERY_MS = 20;
 const ROWS_AT_ONCE = 500;
 const MOST_ROWS = 12000;  // two minutes at 100 Hz without a connection
 const ORIENTATION_PATIENCE_MS = 1000;
