@@ -4,6 +4,7 @@
 file             content
 ===============  =========================================================================================
 session          one walk: samples come in, poses go out, everything received is recorded
+tracking         the filter in a thread of its own
 receivers/       the ways in which the samples of a phone arrive
 replaying        a recording in place of phones
 phones           what each phone sends, and in words what is missing

@@ -1,4 +1,4 @@
-"""What each phone of a live walk sends: rates of its sensors, and in words what is missing."""
+"""Watch what each phone of a live walk sends: the rates of its sensors, and in words what is missing."""
 
 from collections import deque
 from collections.abc import Collection, Sequence

@@ -5,13 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from pdr_est.frames import Array
 from pdr_est.online import Update
 from pdr_est.types.steps import CarryingMode
 
 MODES = tuple(mode.name for mode in sorted(CarryingMode))
 """Names of the carrying modes by their number."""
 
-_MOST_KEPT = 20_000  # of each device: three hours of walking; then every second one of the older half is left out
+_MOST_KEPT = 10_000  # of each device: over an hour of walking; then every second one of the older half is left out
+_MODE = 9  # place of the mode in a row without the device
 
 
 def pose_row(update: Update) -> list[Any]:
@@ -41,7 +43,7 @@ class PoseHistory:
     """Latest pose of every device and time, of one kind; the oldest ones are thinned so that memory stays bounded."""
 
     def __init__(self) -> None:
-        self._rows: dict[str, dict[float, list[Any]]] = {}
+        self._rows: dict[str, dict[float, Array]] = {}
         self._steps: dict[str, int] = {}
 
     def add(self, updates: Iterable[Update]) -> list[list[Any]]:
@@ -53,7 +55,7 @@ class PoseHistory:
             row, rows = pose_row(update), self._rows.setdefault(update.device, {})
             if row[1] not in rows and update.step_length_m > 0.0:
                 self._steps[update.device] = self._steps.get(update.device, 0) + 1
-            rows[row[1]] = row
+            rows[row[1]] = np.array(row[1:])
             found.append(row)
             if len(rows) > _MOST_KEPT:
                 self._rows[update.device] = _thinned(rows)
@@ -65,10 +67,14 @@ class PoseHistory:
 
     def rows(self) -> list[list[Any]]:
         """Return the rows of all poses that are kept, device by device in order of time."""
-        return [row for rows in self._rows.values() for _, row in sorted(rows.items())]
+        return [
+            [device, *rows[time_s].tolist()[:_MODE], int(rows[time_s][_MODE]), float(rows[time_s][-1])]
+            for device, rows in list(self._rows.items())
+            for time_s in sorted(rows)
+        ]
 
 
-def _thinned(rows: dict[float, list[Any]]) -> dict[float, list[Any]]:
+def _thinned(rows: dict[float, Array]) -> dict[float, Array]:
     times = sorted(rows)
     half = len(times) // 2
     return {time_s: rows[time_s] for time_s in (*times[:half:2], *times[half:])}

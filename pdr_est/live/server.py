@@ -57,7 +57,6 @@ class LiveApp:
         self._session, self._pushed = session, pushed
         self._page_token, self._push_token = page_token, push_token
         self._phones: dict[str, Any] = {}
-        self._push_lock = asyncio.Lock()
         self._open_pages = 0
         self.report_folder: Path | None = None
         self.report_files: Collection[str] = ()
@@ -113,8 +112,7 @@ class LiveApp:
             if len(content) > most:
                 return PlainTextResponse(f"more than {most >> 20} MiB in one message", 413)
         try:
-            async with self._push_lock:  # the reader takes one message after the other
-                await run_in_threadpool(self._pushed.take, content.decode("utf-8", "replace"))
+            await run_in_threadpool(self._pushed.take, content.decode("utf-8", "replace"))
         except PdrError as error:
             self._session.tell(str(error))
             return PlainTextResponse(str(error), 507 if isinstance(error, OutputError) else 400)

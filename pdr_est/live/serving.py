@@ -58,9 +58,9 @@ def listen_on(host: str, port: int) -> socket.socket:
 
 
 async def serve_ports(
-    ports: Sequence[Port], limits: LiveLimits, on_interrupt: Callable[[], None], until: Awaitable[None]
+    ports: Sequence[Port], limits: LiveLimits, on_interrupt: Callable[[], bool], until: Awaitable[None]
 ) -> None:
-    """Serve until `until` is done, or a second signal comes.
+    """Serve until `until` is done, or a signal ends it.
 
     Parameters
     ----------
@@ -69,23 +69,21 @@ async def serve_ports(
     limits
         Limits of messages and connections.
     on_interrupt
-        Called at the first signal (Ctrl-C), in order to end the walk.
+        Called at Ctrl-C; returns True if it has found something to end, so that the server goes on. A request to end
+        the program (SIGTERM) always ends the server.
     until
         What to wait for.
     """
     servers = [_Server(_settings(port, limits)) for port in ports]
-    loop, interrupted = asyncio.get_running_loop(), asyncio.Event()
+    loop, stop = asyncio.get_running_loop(), asyncio.Event()
 
     def interrupt() -> None:
-        if interrupted.is_set():
+        if not on_interrupt():
             stop.set()
-        interrupted.set()
-        on_interrupt()
 
-    stop = asyncio.Event()
     with contextlib.suppress(NotImplementedError, RuntimeError, ValueError):  # not the main thread, or Windows
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, interrupt)
+        loop.add_signal_handler(signal.SIGINT, interrupt)
+        loop.add_signal_handler(signal.SIGTERM, stop.set)
     serving = [
         asyncio.create_task(server.serve(sockets=[port.listening]))
         for server, port in zip(servers, ports, strict=True)

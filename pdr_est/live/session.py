@@ -5,12 +5,9 @@ thread of its own, so that neither a slow filter nor a slow page holds the recor
 """
 
 import gc
-import queue
 import threading
 import time
-import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,7 +18,8 @@ from pdr_est.live.limits import LiveLimits, SampleBudget
 from pdr_est.live.phones import PhoneMonitor, Source
 from pdr_est.live.poses import PoseHistory
 from pdr_est.live.recording_files import LiveRecording
-from pdr_est.online import ExpectedDevice, Tracker, Update
+from pdr_est.live.tracking import LiveSamples, TrackingThread
+from pdr_est.online import ExpectedDevice, Update
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import SensorBlock
 
@@ -33,15 +31,6 @@ SYNC_EVERY_S = 1.0
 
 _MOST_NOTES = 200
 _FIX_SIGMA_RANGE_M = (0.05, 100.0)
-
-
-@dataclass(frozen=True)
-class _Samples:
-    """Samples that wait for the filter, and when the newest of them was made, s on the clock of the walk."""
-
-    device: str
-    blocks: tuple[SensorBlock, ...]
-    made_s: float
 
 
 class LiveSession:
@@ -59,6 +48,13 @@ class LiveSession:
         Devices that are known beforehand.
     epoch_s
         Unix time of time zero, s; None for now.
+
+    Attributes
+    ----------
+    before_end
+        Functions that hand on what receivers hold back, called before the walk ends.
+    ended
+        Set when everything has been processed and the recording is closed.
     """
 
     def __init__(
@@ -73,8 +69,7 @@ class LiveSession:
         self.recording = recording
         self.epoch_s = time.time() if epoch_s is None else epoch_s
         self._zero_s = time.monotonic() - (time.time() - self.epoch_s)
-        self._tracker = Tracker(config, list(expected))
-        self._queue: queue.Queue[_Samples | PositionFix | None] = queue.Queue()
+        self._tracking = TrackingThread(config, expected, self._show, self.tell, self._end)
         self._lock = threading.RLock()
         self._phones: dict[str, PhoneMonitor] = {}
         self._budgets: dict[str, SampleBudget] = {}
@@ -86,17 +81,15 @@ class LiveSession:
         self._report: str | None = None
         self._newest_s: float | None = None
         self.ended = threading.Event()
-        self._threads = [
-            threading.Thread(target=work, name=name, daemon=True)
-            for name, work in (("tracker", self._work), ("sync", self._sync_again_and_again))
-        ]
+        self.before_end: list[Callable[[], None]] = []
+        self._ending = False
 
     def start(self) -> None:
         """Begin to track. What is loaded is kept out of garbage collection, which would delay poses by 100 ms."""
         gc.collect()
         gc.freeze()
-        for thread in self._threads:
-            thread.start()
+        self._tracking.start()
+        threading.Thread(target=self._sync_again_and_again, name="sync", daemon=True).start()
 
     @property
     def now_s(self) -> float:
@@ -111,12 +104,12 @@ class LiveSession:
     @property
     def latency_s(self) -> float:
         """Return the filter's own delay, s, which the declared latency of the tracker is."""
-        return self._tracker.latency_s
+        return self._tracking.latency_s
 
     @property
     def waiting(self) -> int:
-        """Return the number of inputs that the filter has not processed yet."""
-        return self._queue.qsize()
+        """Return the number of inputs that wait for the filter."""
+        return self._tracking.waiting
 
     def join(self, source: Source, name: str | None = None) -> PhoneMonitor:
         """Add a phone.
@@ -153,9 +146,9 @@ class LiveSession:
             If the samples cannot be written.
         """
         blocks = tuple(block for block in blocks if len(block.time_s))
-        if not blocks or self._state != "walking":
-            return
         with self._lock:
+            if not blocks or self._state != "walking":
+                return
             if not self._budgets[phone.name].take(sum(len(block.time_s) for block in blocks), time.monotonic()):
                 raise RecordingError(
                     f"{phone.name}: more than {self.limits.samples_per_s:g} samples a second: choose a lower rate"
@@ -164,19 +157,19 @@ class LiveSession:
                 self.recording.add(phone.name, blocks)
                 if self.recording.size_bytes > self.limits.walk_bytes:
                     self.tell(f"the recording has reached {self.limits.walk_bytes >> 20} MiB: the walk has ended")
-                    self.stop()
+                    threading.Thread(target=self.stop).start()
             phone.note(blocks, self.now_s)
-        if self._queue.qsize() < self.limits.waiting_blocks:
+        if self.waiting < self.limits.waiting_blocks:
             self._newest_s = max(float(block.time_s[-1]) for block in blocks)
             made_s = self.now_s if phone.source == "replay" else self._newest_s
-            self._queue.put(_Samples(phone.name, blocks, made_s))
+            self._tracking.put(LiveSamples(phone.name, blocks, made_s))
         else:
             self.tell("this computer is too slow to follow: samples are recorded, but the track here has gaps")
 
     def keep_message(self, text: str) -> None:
         """Record a message of an app as it came."""
         with self._lock:
-            if self.recording is not None and self._state == "walking":
+            if self.recording is not None and not self._ending:
                 self.recording.add_message(text)
 
     def take_fix(self, x_m: float, y_m: float, sigma_m: float, time_s: float) -> None:
@@ -184,12 +177,10 @@ class LiveSession:
 
         Parameters
         ----------
-        x_m, y_m
-            East and north, m.
-        sigma_m
-            Standard deviation of each coordinate, m.
+        x_m, y_m, sigma_m
+            East and north with the standard deviation of each, m.
         time_s
-            When the walker was there, s.
+            Time at which the walker was there, s.
 
         Raises
         ------
@@ -211,29 +202,37 @@ class LiveSession:
                 return
             if self.recording is not None:
                 self.recording.add_fix(fix)
-        self._queue.put(fix)
+            (xx, xy), (_, yy) = fix.covariance_m2.tolist()
+            row = [fix.time_s, *fix.position_m.tolist(), xx, xy, yy]
+            self._fixes.append(row)
+        self._publish({"type": "fixes", "fixes": [row]})
+        self._tracking.put(fix)
 
-    def stop(self) -> None:
-        """End the walk: what waits is processed, then `ended` is set."""
+    def stop(self) -> bool:
+        """End the walk: what waits is processed, then `ended` is set. Return False if it was ended before."""
         with self._lock:
-            if self._state != "walking":
-                return
+            if self._ending:
+                return False
+            self._ending = True
+        for work in self.before_end:  # without the lock, which the other threads of a receiver may wait for
+            work()
+        with self._lock:
             self._state = "ending"
-        self._queue.put(None)
+        self._tracking.put(None)
         self._publish({"type": "state", "state": "ending"})
+        return True
 
     def tell(self, words: str) -> None:
         """Show a note on the pages, once."""
         with self._lock:
-            if words in self._notes or len(self._notes) >= _MOST_NOTES:
-                return
-            self._notes[words] = None
-        self._publish({"type": "notes", "notes": [words]})
+            fresh = words not in self._notes and len(self._notes) < _MOST_NOTES
+            self._notes |= {words: None} if fresh else {}
+        if fresh:
+            self._publish({"type": "notes", "notes": [words]})
 
     def report_ready(self, address: str | None) -> None:
-        """Tell the pages where the report is, or None that there is none."""
-        with self._lock:
-            self._state, self._report = "ended", address
+        """Tell the pages where the report is; None if there is none."""
+        self._state, self._report = "ended", address
         self._publish({"type": "state", "state": "ended", "report": address})
 
     def listen(self, listener: Callable[[Message], None]) -> list[Message]:
@@ -275,11 +274,15 @@ class LiveSession:
         for listener in listeners:
             listener(message)
 
-    def _work(self) -> None:
-        """Feed the filter until the walk ends."""
-        while (item := self._queue.get()) is not None:
-            self._process(item)
-        self._process(None)
+    def _show(self, updates: Sequence[Update], made_s: float | None) -> None:
+        """Publish new estimates."""
+        with self._lock:
+            rows = self._history.add(updates)
+        if rows:
+            self._publish({"type": "poses", "poses": rows, "made_s": made_s})
+
+    def _end(self) -> None:
+        """Close the recording when the filter has finished."""
         self._sync()
         with self._lock:
             if self.recording is not None:
@@ -297,38 +300,3 @@ class LiveSession:
                 self.recording.sync()
         except PdrError as error:
             self.tell(str(error))
-
-    def _process(self, item: _Samples | PositionFix | None) -> None:
-        """Feed one input to the filter and publish what follows from it."""
-        updates: list[Update] = []
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            try:
-                if item is None:
-                    updates = self._tracker.flush()
-                elif isinstance(item, PositionFix):
-                    self._add_fix(item)
-                    updates = self._tracker.push_fix(item)
-                else:
-                    for block in item.blocks:
-                        updates += self._tracker.push(item.device, block)
-            except PdrError as error:
-                self.tell(str(error))
-        for warning in caught:
-            self.tell(str(warning.message))
-        for update in updates:
-            for finding in update.findings:
-                if finding.doubtful:
-                    self.tell(finding.words)
-        with self._lock:
-            rows = self._history.add(updates)
-        if rows:
-            made_s = item.made_s if isinstance(item, _Samples) else None
-            self._publish({"type": "poses", "poses": rows, "made_s": made_s})
-
-    def _add_fix(self, fix: PositionFix) -> None:
-        (xx, xy), (_, yy) = fix.covariance_m2.tolist()
-        row = [fix.time_s, *fix.position_m.tolist(), xx, xy, yy]
-        with self._lock:
-            self._fixes.append(row)
-        self._publish({"type": "fixes", "fixes": [row]})

@@ -78,6 +78,15 @@ def test_an_interrupt_ends_the_walk_and_a_second_one_the_server(tmp_path: Path) 
         assert "Traceback" not in errors
 
 
+def test_a_request_to_end_ends_everything(tmp_path: Path) -> None:
+    with running("-o", str(tmp_path / "out")) as (process, address):
+        with urlopen(address, timeout=20.0) as page:
+            assert page.status == 200
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=30.0)
+        assert process.returncode == 0
+
+
 def test_others_reach_the_page_encrypted_only(tmp_path: Path) -> None:
     with running("-o", str(tmp_path / "out"), "--host", "0.0.0.0") as (process, address):
         assert address.startswith("https://")

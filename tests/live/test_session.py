@@ -226,6 +226,30 @@ def test_a_phone_with_a_wrong_clock_is_placed_by_its_arrival(new_walk: NewWalk, 
     assert times.time_s[0] == pytest.approx(session.now_s - 1.0, abs=5.0)
 
 
+def test_what_waits_for_a_missing_message_is_tracked_at_the_end(new_walk: NewWalk, tmp_path: Path) -> None:
+    session = new_walk(tmp_path / "walk")
+    session.start()
+    pushed = PushedMessages(session)
+    for number in (0, 2):  # 1 never comes
+        pushed.take(pushed_text(ALL, number, time_s=session.epoch_s + number))
+    ended(session)
+    rate = read(tmp_path / "walk" / "phone.csv").devices[0].rotation_rate
+    assert rate is not None
+    assert len(rate) == 200
+
+
+def test_a_page_that_opens_later_gets_every_pose_so_far(new_walk: NewWalk) -> None:
+    messages: list[Message] = []
+    session = new_walk(None, KNOWN_START, **FOREVER)
+    session.listen(messages.append)
+    session.start()
+    replay_into(session, recorded(2), [], 1000.0)
+    assert session.ended.wait(60.0)
+    later = session.listen(messages.append)
+    for device in ("left", "right", "fused"):
+        assert poses_of(later, device) == poses_of(messages, device)
+
+
 def test_every_message_of_an_app_is_kept_as_it_came(new_walk: NewWalk, tmp_path: Path) -> None:
     session = new_walk(tmp_path / "walk")
     pushed = PushedMessages(session)

@@ -1,10 +1,11 @@
 """Messages that Sensor Logger pushes by HTTP while it records."""
 
+import threading
 from dataclasses import replace
 
 from pdr_est.errors import RecordingError
 from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpdate, Platform
-from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import parse_live_message
+from pdr_est.io.formats.phone_apps.sensor_logger.live_messages import LiveMessage, parse_live_message
 from pdr_est.live.phones import PhoneMonitor
 from pdr_est.live.receivers.arrival import ArrivalClock
 from pdr_est.live.session import LiveSession
@@ -29,6 +30,8 @@ class PushedMessages:
         self._reader = LiveReader(platform)
         self._phones: dict[str, PhoneMonitor] = {}
         self._clocks: dict[str, ArrivalClock] = {}
+        self._lock = threading.Lock()
+        session.before_end.append(self.flush)
 
     def take(self, text: str) -> None:
         """Record and read one message.
@@ -41,6 +44,10 @@ class PushedMessages:
             When it cannot be written.
         """
         message = parse_live_message(text)
+        with self._lock:
+            self._take(message, text)
+
+    def _take(self, message: LiveMessage, text: str) -> None:
         if message.device not in self._phones:
             self._phones[message.device] = self._session.join("sensor-logger")
             self._clocks[message.device] = ArrivalClock()
@@ -55,8 +62,9 @@ class PushedMessages:
             self._session.put_fix(replace(fix, time_s=fix.time_s + shift_s))
 
     def flush(self) -> None:
-        """Hand on what waits for missing messages."""
-        self._hand_on(self._reader.flush())
+        """Hand on what waits for missing messages and for gravity; called once, at the end."""
+        with self._lock:
+            self._hand_on(self._reader.flush())
 
     def _hand_on(self, news: LiveUpdate) -> None:
         for note in news.notes:
