@@ -118,6 +118,7 @@ TASKS: tuple[Task, ...] = (
     *(benchmark(suite) for suite in SUITES),
     Task("front_end_cost", (("front_end_cost.py",),), ("results/front_end_cost.txt",), alone=True),
     Task("online_memory", (("online_memory.py",),), ("results/online_memory.txt",), alone=True, minutes=60.0),
+    Task("live_numbers", (("live_numbers.py",),), ("results/live_numbers.txt",), alone=True, minutes=12.0),
     Task(
         "speed",
         (("pdr_est", "benchmark", "speed", "--json", "{experiments}/results/speed.json"),),

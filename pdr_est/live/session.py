@@ -1,7 +1,7 @@
 """One live walk: samples of any number of phones come in, poses go out, and everything received is recorded.
 
-Receivers call `take` from any thread. The samples are on the disk's way before `take` returns; the filter works in a
-thread of its own, so that neither a slow filter nor a slow page holds the recording up.
+Receivers call `take` from any thread. The system has the samples before it returns; the filter has a thread of its own,
+so that neither a slow filter nor a slow page holds the recording up.
 """
 
 import gc
@@ -89,7 +89,7 @@ class LiveSession:
         gc.collect()
         gc.freeze()
         self._tracking.start()
-        threading.Thread(target=self._sync_again_and_again, name="sync", daemon=True).start()
+        threading.Thread(target=self._sync_repeatedly, name="sync", daemon=True).start()
 
     @property
     def now_s(self) -> float:
@@ -103,7 +103,7 @@ class LiveSession:
 
     @property
     def latency_s(self) -> float:
-        """Return the filter's own delay, s, which the declared latency of the tracker is."""
+        """Return the declared latency of the tracker, s."""
         return self._tracking.latency_s
 
     @property
@@ -250,8 +250,7 @@ class LiveSession:
     def unlisten(self, listener: Callable[[Message], None]) -> None:
         """Call a function no more."""
         with self._lock:
-            if listener in self._listeners:
-                self._listeners.remove(listener)
+            self._listeners = [one for one in self._listeners if one != listener]
 
     def status(self) -> Message:
         """Describe phones, sensors and what is missing."""
@@ -269,9 +268,7 @@ class LiveSession:
             }
 
     def _publish(self, message: Message) -> None:
-        with self._lock:
-            listeners = list(self._listeners)
-        for listener in listeners:
+        for listener in list(self._listeners):
             listener(message)
 
     def _show(self, updates: Sequence[Update], made_s: float | None) -> None:
@@ -289,7 +286,7 @@ class LiveSession:
                 self.recording.close()
         self.ended.set()
 
-    def _sync_again_and_again(self) -> None:
+    def _sync_repeatedly(self) -> None:
         while not self.ended.wait(SYNC_EVERY_S):
             self._sync()
 
