@@ -4,7 +4,8 @@
 * `comparison`: the report of an experiment, which compares variants over many walks (`pdr-est experiment`).
 * `plots`: the figures of a walk as SVG, with the colours and legends that all figures share.
 * `background`: what lies below the track on the map of a walk.
-* `inline_assets`: scripts and styles inside a page, and the policy that allows only them. `packed_columns`: its numbers.
+* `inline_assets`: scripts and styles inside a page, and the policy that allows only them.
+* `packed_columns`: the numbers inside a page.
 
 The templates (`*.html.j2`) lie in this folder, our scripts in `scripts`, and bundled libraries with their licences in
 `assets`.

@@ -71,8 +71,7 @@ def summarise(
     versions : mapping of str to str or None
         Result of `package_versions`.
     start : StartPose or None
-        Start pose that was asked for. It decides, with the fixes, whether the track lies in the map frame or in a
-        frame of its own.
+        Start pose that was asked for. It decides, with the fixes, in which frame the track lies.
     errors, profile, gait_model_sha256 : optional
         Metrics against the truth by name; profile of the walker; digest of the gait model. None if there is none.
     """
