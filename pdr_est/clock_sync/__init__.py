@@ -10,11 +10,13 @@ align_devices       entry point: choose the method, apply the clocks, check that
 from_motion         estimate a clock from the motion of the same walk, felt by both devices
 from_messages       estimate clocks from time-stamped messages (Robust DR section V-B)
 from_config         take clocks from the configuration
+clock_jumps         find out whether a clock jumps within a walk
 clock_model         apply an estimated clock to recordings and position fixes
 common_signals      signals that are alike on all devices of one body: walking intensity, steps, turns
 windows             windows of samples in which two devices are compared
+step_duration       usual duration of a step
 step_matching       find which step of one device is which step of the other
-same_walk           check that two recordings are of one walk
+same_walk           probability that two recordings are of one walk
 robust_line         robust straight line through clock differences
 overlap             check that devices recorded at the same time
 ==================  ================================================================================================

@@ -2,17 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import exp
 from typing import Literal
 
 from pdr_est.clock_sync.clock_model import apply_clock
 from pdr_est.clock_sync.from_config import GivenClock, device_clocks_from_config
 from pdr_est.clock_sync.from_messages import device_clocks_from_messages
-from pdr_est.clock_sync.from_motion import estimate_clock_and_step_agreement
+from pdr_est.clock_sync.from_motion import estimate_clock_and_same_walk_odds
 from pdr_est.clock_sync.overlap import coverage_warnings, require_overlap
-from pdr_est.clock_sync.same_walk import MIN_STEP_AGREEMENT
 from pdr_est.errors import RecordingError
 from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.recording import DeviceRecording, Recording
+
+_CERTAIN = 0.95  # probability of one walk above which there is no warning; ours
 
 ClockMethod = Literal["walk", "messages", "given", "none"]
 
@@ -76,20 +78,31 @@ def _align_by_motion(
 ) -> tuple[DeviceRecording, ClockEstimate | None]:
     """Estimate the clock of one device from motion and apply it unless it is poor."""
     try:
-        clock, agreement = estimate_clock_and_step_agreement(reference, other)
+        clock, log_odds = estimate_clock_and_same_walk_odds(reference, other)
     except RecordingError as error:
         return _with_warnings(other, f"clock taken as recorded: {error}"), None
-    if agreement is not None and agreement < MIN_STEP_AGREEMENT:
+    if log_odds is not None and log_odds < 0.0:
         raise RecordingError(
-            f"{reference.name} and {other.name}: no shift of the clocks makes their steps coincide (agreement "
-            f"{agreement:.2f}; recordings of one walk reach at least {MIN_STEP_AGREEMENT:g}), so these are not "
-            "recordings of one walk: smooth them one by one, or use --clock none (devices.clock) if you know that "
-            "their clocks agree"
+            f"{reference.name} and {other.name}: no shift of the clocks makes their steps coincide (probability of "
+            f"one walk {_probability(log_odds):.2g}), so these are not recordings of one walk: smooth them one by "
+            "one, or use --clock none (devices.clock) if you know that their clocks agree"
         )
+    other = _with_warnings(other, *_same_walk_warnings(log_odds))
     if clock.poor:
         reasons = "; ".join(clock.doubts)
         return _with_warnings(other, f"clock taken as recorded: it cannot be found from the walk ({reasons})"), clock
     return apply_clock(other, clock), clock
+
+
+def _probability(log_odds: float) -> float:
+    return 1.0 / (1.0 + exp(-log_odds))
+
+
+def _same_walk_warnings(log_odds: float | None) -> tuple[str, ...]:
+    """Warn if it is not quite certain that the devices recorded one walk."""
+    if log_odds is None or _probability(log_odds) >= _CERTAIN:
+        return ()
+    return (f"it is not certain that this is the same walk (probability {_probability(log_odds):.2g})",)
 
 
 def _with_warnings(device: DeviceRecording, *warnings: str) -> DeviceRecording:

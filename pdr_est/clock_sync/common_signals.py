@@ -5,7 +5,7 @@ feel each heel strike, though the leg that strikes feels it more.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,14 @@ from pdr_est.types.recording import DeviceRecording, Signal
 RATE_HZ = 50.0
 """Sampling rate of the common signals; recorders of 25 Hz and more serve as well."""
 
+INTENSITY_HZ = 0.4
+"""Frequency up to which the log intensity and the turn rate reach."""
+
 _LEAST_S = 5.0
 _TILT_HZ = 0.3  # below it, specific force is gravity
-_TURN_HZ = 0.4  # below it, the rotation about the vertical is the walker's and not the leg's
+_TURN_HZ = INTENSITY_HZ  # below it, the rotation about the vertical is the walker's and not the leg's
 _HEEL_STRIKE_HZ = (1.2, 6.0)
 _STEP_HZ = (1.2, 3.0)  # step frequencies of walkers and runners
-_INTENSITY_HZ = 0.4
 _LONGEST_PAUSE_S = 600.0
 _MOST_EMPTY = 4.0  # times the recorded time, and an hour: a recording with longer gaps is not filled up
 _HOUR_S = 3600.0
@@ -88,7 +90,7 @@ def extract_common_signals(device: DeviceRecording) -> CommonSignals:
     on_grid = _interpolated(force, time_s)
     magnitude = np.linalg.norm(on_grid, axis=1) - STANDARD_GRAVITY_MPS2
     heel_strikes = _filtered(magnitude, _HEEL_STRIKE_HZ, "bandpass")
-    log_intensity = _filtered(np.log(np.abs(heel_strikes) + _STANDING_MPS2), _INTENSITY_HZ, "lowpass")
+    log_intensity = _filtered(np.log(np.abs(heel_strikes) + _STANDING_MPS2), INTENSITY_HZ, "lowpass")
     analytic = hilbert(_filtered(magnitude, _STEP_HZ, "bandpass"))
     step_phasor = analytic / (np.abs(analytic) + _STANDING_MPS2)
     turn_rate = None
@@ -103,11 +105,19 @@ def extract_common_signals(device: DeviceRecording) -> CommonSignals:
 
 def _filtered(values: Array, band_hz: float | tuple[float, float], kind: str) -> Array:
     """Filter forwards and backwards (no phase shift) with a second-order Butterworth filter."""
-    from scipy.signal import butter, sosfiltfilt
+    from scipy.signal import sosfiltfilt
 
-    sos = butter(2, band_hz, kind, fs=RATE_HZ, output="sos")
-    filtered: Array = sosfiltfilt(sos, values, axis=0)
+    filtered: Array = sosfiltfilt(_designed(band_hz, kind), values, axis=0)
     return filtered
+
+
+@cache
+def _designed(band_hz: float | tuple[float, float], kind: str) -> Array:
+    """Design a filter as second-order sections; once only, since that takes longer than to filter a minute."""
+    from scipy.signal import butter
+
+    sections: Array = butter(2, band_hz, kind, fs=RATE_HZ, output="sos")
+    return sections
 
 
 def _interpolated(signal: Signal, time_s: Array) -> Array:

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdr_est.clock_sync.clock_jumps import jump_log_likelihood_ratio
 from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals, extract_common_signals
 from pdr_est.clock_sync.robust_line import SIGMA_SKEW, ClockLine, constant_offset_line, fit_clock_line
-from pdr_est.clock_sync.same_walk import best_step_agreement
-from pdr_est.clock_sync.step_matching import match_steps
+from pdr_est.clock_sync.same_walk import same_walk_log_odds
+from pdr_est.clock_sync.step_matching import match_steps, step_at, without_alternation
 from pdr_est.clock_sync.windows import comparison_windows
 from pdr_est.frames import Array
 from pdr_est.params import Fraction, Positive, params
@@ -23,8 +24,10 @@ from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.recording import DeviceRecording
 
 _LEAST_S = 4.0  # of a window
+_SAME_SHIFT_S = 1.0  # shifts that are not closer are both compared
 _MOVING = 0.5  # of the usual root mean square of the heel strikes: a window below it was not walked
-_LAG_S = 0.01  # between the lags that are tried; the best is interpolated
+_LAGS = 2  # lags that are tried in the time of a sample; the best is interpolated
+_LAG_S = 1.0 / (_LAGS * RATE_HZ)
 
 
 @params
@@ -61,6 +64,10 @@ class MotionClockParams:
     least_share: Fraction = 0.75
     """Least share of windows on the line, among those in which both devices moved."""
 
+    jump_log_likelihood_ratio: Positive = 6.0
+    """Least log-likelihood ratio by which another shift must fit some half minute better than the line if the clock
+    is taken to jump: odds of 400, since 80 shifts are compared."""
+
     systematic_s: Positive = 0.02
     """Time, s, by which devices at different places on the body feel one heel strike apart."""
 
@@ -87,21 +94,22 @@ def estimate_clock_from_motion(
     RecordingError
         For a device without an accelerometer, or with less than 5 s of it.
     """
-    return estimate_clock_and_step_agreement(reference, other, parameters)[0]
+    return estimate_clock_and_same_walk_odds(reference, other, parameters)[0]
 
 
-def estimate_clock_and_step_agreement(
+def estimate_clock_and_same_walk_odds(
     reference: DeviceRecording, other: DeviceRecording, parameters: MotionClockParams | None = None
 ) -> tuple[ClockEstimate, float | None]:
-    """Estimate the clock as `estimate_clock_from_motion` does, and how well the steps agree in the best minute.
+    """Estimate the clock as `estimate_clock_from_motion` does, and the log-odds that both recorded one walk.
 
-    The agreement (see `best_step_agreement`) is searched near the estimated shift and near the clocks as recorded.
+    The odds (see `same_walk_log_odds`) are those near the estimated shift or near the clocks as recorded, whichever
+    are greater; None where nobody walks for long enough.
     """
     chosen = parameters or MotionClockParams()
     one, two = extract_common_signals(reference), extract_common_signals(other)
     shift_s, agreement, lead = _search_all_shifts(one, two, chosen.near_s)
     clock = _refine(one, two, shift_s, agreement, lead, chosen)
-    return clock, best_step_agreement(one, two, (shift_s, 0.0))
+    return clock, same_walk_log_odds(one, two, (shift_s,) if abs(shift_s) < _SAME_SHIFT_S else (shift_s, 0.0))
 
 
 def _refine(
@@ -125,7 +133,10 @@ def _refine(
         at_s=line.at_s,
         quality=share,
         method="walk",
-        doubts=_doubts(agreement, lead, step_lead, count, share, chosen),
+        doubts=(
+            *_doubts(agreement, lead, step_lead, count, share, chosen),
+            *_jumps(jump_log_likelihood_ratio(one, two, line), chosen),
+        ),
     )
 
 
@@ -143,6 +154,13 @@ def _doubts(
             f"the steps of only {count} windows, {share:.0%} of all, fit one line: nobody walks, or the clock jumps"
         )
     return tuple(doubts)
+
+
+def _jumps(log_likelihood_ratio: float, chosen: MotionClockParams) -> tuple[str, ...]:
+    """Say that another shift fits a part of the walk better."""
+    if log_likelihood_ratio < chosen.jump_log_likelihood_ratio:
+        return ()
+    return ("another shift fits some half minute much better: the clock jumps",)
 
 
 def _search_all_shifts(one: CommonSignals, two: CommonSignals, near_s: float) -> tuple[float, float, float]:
@@ -186,19 +204,24 @@ def _search_heel_strikes(
     from scipy.interpolate import CubicSpline
 
     there = CubicSpline(two.time_s, two.heel_strikes_mps2)
-    reach_s = chosen.strike_search_s
-    lags_s = np.arange(-reach_s, reach_s + 0.5 * _LAG_S, _LAG_S)
-    windows = comparison_windows(one, two, line, chosen.strike_window_s, reach_s, _LEAST_S)
+    reach = round(chosen.strike_search_s * RATE_HZ)
+    windows = comparison_windows(one, two, line, chosen.strike_window_s, reach / RATE_HZ, _LEAST_S)
     sizes = np.array([np.std(one.heel_strikes_mps2[rows]) for rows in windows])
     found = []
     for rows, size in zip(windows, sizes, strict=True):
         if size < _MOVING * float(np.median(sizes)):
             continue
-        time_s = one.time_s[rows]
-        middle_s = float(time_s.mean())
-        shifted = there(time_s + line.difference_at(time_s) + lags_s[:, None])
-        lag_s, agreement = _best_lag(one.heel_strikes_mps2[rows], shifted, lags_s)
-        found.append((middle_s, float(line.difference_at(np.array(middle_s))) + lag_s, agreement))
+        middle_s = float(one.time_s[rows].mean())
+        difference_s = float(line.difference_at(np.array(middle_s)))
+        step = step_at(one, two, rows, difference_s)
+        here: Array = without_alternation(one, one.heel_strikes_mps2, one.time_s[rows[0]], len(rows), step)
+        first_s = one.time_s[rows[0]] + difference_s - (reach + step) / RATE_HZ
+        fine: Array = there(first_s + _LAG_S * np.arange(_LAGS * (len(rows) + 2 * reach + step)))
+        fine = 0.5 * (fine[_LAGS * step :] + fine[: -_LAGS * step])
+        shifted = np.lib.stride_tricks.sliding_window_view(fine, _LAGS * len(rows))[:, ::_LAGS]
+        lags_s: Array = np.linspace(-reach, reach, len(shifted)) / RATE_HZ
+        lag_s, agreement = _best_lag(here, shifted, lags_s)
+        found.append((middle_s, difference_s + lag_s, agreement))
     return _WindowLags(*np.array(found, dtype=np.float64).reshape(-1, 3).T)
 
 

@@ -3,8 +3,7 @@
 All heel strikes look alike, but steps are not equally long in time while a clock runs evenly: over a walk only the
 right shift keeps all steps in phase. That difference is small, and a larger one hides it: the device of each leg
 feels its own strikes more strongly, so that shifts by an odd number of steps may agree better than the right one. The
-mean over neighbouring shifts, one step apart, with weights 1, 2, 1 cancels that alternation, and the swing of the hip
-in the turn rate as well.
+mean of each signal and itself one step earlier has no such alternation, nor the swing of the hip in the turn rate.
 """
 
 from dataclasses import dataclass
@@ -14,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals
+from pdr_est.clock_sync.step_duration import usual_step_samples
+from pdr_est.clock_sync.windows import window_correlations, window_variances
 from pdr_est.frames import Array
 
 # All ours, chosen on WeAllWalk.
 _SEARCH_S = 1.5  # about the shift that is known
-_STEP_S = (0.35, 0.9)  # durations of a step
 _SAME_STEP_S = 0.25  # shifts further apart belong to different steps
 _STEP_WEIGHT = 3.0  # relative to turns, of which there are fewer
 _LOG_INTENSITY_SIGMA = 0.2  # between two legs
@@ -59,18 +59,14 @@ def match_steps(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64],
     shift_s
         Known difference of the clocks, s.
     """
-    step = _step_samples(one.step_phasor[rows])
-    reach = round(_SEARCH_S * RATE_HZ) + step
-    step_correlation = _without_alternation(
-        _correlations(one, two, one.step_phasor, two.step_phasor, rows, shift_s, reach), step
-    )
-    score = -_STEP_WEIGHT * np.log1p(-(np.minimum(np.maximum(step_correlation, 0.0), 0.999) ** 2))
+    step = step_at(one, two, rows, shift_s)
+    reach = round(_SEARCH_S * RATE_HZ)
+    step_correlation = _correlations(one, two, one.step_phasor, two.step_phasor, rows, shift_s, reach, step)
+    score = _STEP_WEIGHT * _log_likelihood_ratio(step_correlation)
     if one.turn_rate_radps is not None and two.turn_rate_radps is not None:
-        turn_correlation = _without_alternation(
-            _correlations(one, two, one.turn_rate_radps, two.turn_rate_radps, rows, shift_s, reach), step
-        )
-        score -= np.log1p(-(np.minimum(np.maximum(turn_correlation, 0.0), 0.999) ** 2))
-    intensity_variance = _intensity_difference_variance(one, two, rows, shift_s, reach - step)
+        turns, other_turns = one.turn_rate_radps, two.turn_rate_radps
+        score += _log_likelihood_ratio(_correlations(one, two, turns, other_turns, rows, shift_s, reach, step))
+    intensity_variance = _intensity_difference_variance(one, two, rows, shift_s, reach)
     score = score - 0.5 * intensity_variance / _LOG_INTENSITY_SIGMA**2
     best = int(np.argmax(score))
     other = np.abs(np.arange(len(score)) - best) > _SAME_STEP_S * RATE_HZ
@@ -78,10 +74,37 @@ def match_steps(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64],
     return StepMatch(shift_s + lag_s, float(step_correlation[best]), float(score[best] - score[other].max()))
 
 
-def _step_samples(step_phasor: NDArray[np.complex128]) -> int:
-    """Find the usual step duration in samples: the lag of the highest autocorrelation."""
-    lags = np.arange(round(_STEP_S[0] * RATE_HZ), round(_STEP_S[1] * RATE_HZ) + 1)
-    return int(lags[np.argmax([np.vdot(step_phasor[:-lag], step_phasor[lag:]).real for lag in lags])])
+def step_at(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], shift_s: float) -> int:
+    """Find the usual duration of a step, in samples, in a window of two devices (see `match_steps`)."""
+    there = np.interp(one.time_s[rows] + shift_s, two.time_s, two.step_phasor, left=0.0, right=0.0)
+    return usual_step_samples(one.step_phasor[rows], there)
+
+
+def without_alternation(
+    signals: CommonSignals, values: NDArray[np.inexact], start_s: float, count: int, step: int
+) -> NDArray[Any]:
+    """Average values of a device with those one step earlier, at so many samples from a time on.
+
+    Parameters
+    ----------
+    signals
+        Signals of the device.
+    values
+        (n,) real or complex values at the samples of `signals`; they are zero before and after them.
+    start_s
+        Time of the first sample, s on the clock of the device.
+    count, step
+        Number of samples, and duration of a step in samples.
+    """
+    time_s = start_s + np.arange(-step, count) / RATE_HZ
+    there = np.asarray(np.interp(time_s, signals.time_s, values, left=0.0, right=0.0))
+    return np.asarray(0.5 * (there[step:] + there[:-step]))
+
+
+def _log_likelihood_ratio(correlations: Array) -> Array:
+    """Compute -log(1 - r^2) of correlations r, with negative ones as zero."""
+    ratio: Array = -np.log1p(-(np.minimum(np.maximum(correlations, 0.0), 0.999) ** 2))
+    return ratio
 
 
 def _correlations(
@@ -92,14 +115,13 @@ def _correlations(
     rows: NDArray[np.int64],
     shift_s: float,
     reach: int,
+    step: int,
 ) -> Array:
     """Correlate a of one device with b of the other at lags of -reach to reach samples, (2 reach + 1,)."""
-    time_s = one.start_s + np.arange(rows[0] - reach, rows[-1] + reach + 1) / RATE_HZ + shift_s
-    there = np.interp(time_s, two.time_s, b, left=0.0, right=0.0)
-    values = a[rows] - a[rows].mean()
-    windows = np.lib.stride_tricks.sliding_window_view(there, len(rows))
-    centred_size = np.sqrt(len(rows) * np.maximum(_window_variances(np.asarray(there), len(rows)), 1e-24))
-    return np.asarray((windows @ np.conj(values)).real / (centred_size * max(float(np.linalg.norm(values)), 1e-12)))
+    start_s = one.start_s + rows[0] / RATE_HZ
+    here = without_alternation(one, a, start_s, len(rows), step)
+    there = without_alternation(two, b, start_s + shift_s - reach / RATE_HZ, len(rows) + 2 * reach, step)
+    return window_correlations(here, there)
 
 
 def _intensity_difference_variance(
@@ -110,22 +132,4 @@ def _intensity_difference_variance(
     there = np.interp(time_s, two.time_s, two.log_intensity)
     here = one.log_intensity[rows] - one.log_intensity[rows].mean()
     covariance = np.lib.stride_tricks.sliding_window_view(there, len(rows)) @ here / len(rows)
-    return np.asarray(_window_variances(there, len(rows)) + float(np.var(here)) - 2.0 * covariance)
-
-
-def _window_variances(values: NDArray[Any], size: int) -> Array:
-    """Compute the variance of every window of so many real or complex values, by running sums."""
-    centred = values - values.mean()
-
-    def window_means(of: NDArray[Any]) -> NDArray[Any]:
-        sums = np.concatenate([np.zeros(1, dtype=of.dtype), np.cumsum(of)])
-        return np.asarray((sums[size:] - sums[:-size]) / size)
-
-    squares = window_means(np.abs(centred) ** 2)
-    return np.asarray(np.maximum(squares - np.abs(window_means(centred)) ** 2, 0.0))
-
-
-def _without_alternation(correlations: Array, step: int) -> Array:
-    """Average lags one step apart with weights 1, 2, 1; the result is shorter by one step at both ends."""
-    mean: Array = 0.25 * (correlations[: -2 * step] + 2.0 * correlations[step:-step] + correlations[2 * step :])
-    return mean
+    return np.asarray(window_variances(there, len(rows)) + float(np.var(here)) - 2.0 * covariance)

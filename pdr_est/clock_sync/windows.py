@@ -1,10 +1,13 @@
-"""Windows of samples in which the signals of two devices are compared."""
+"""Windows of samples in which the signals of two devices are compared, and the correlation at shifts of a window."""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals
 from pdr_est.clock_sync.robust_line import ClockLine
+from pdr_est.frames import Array
 
 
 def comparison_windows(
@@ -34,3 +37,30 @@ def comparison_windows(
     both = np.flatnonzero((there_s >= two.time_s[0] + margin_s) & (there_s <= two.time_s[-1] - margin_s))
     windows = np.array_split(both, max(1, int(len(both) / (window_s * RATE_HZ))))
     return [rows for rows in windows if len(rows) >= min_length_s * RATE_HZ]
+
+
+def window_correlations(values: NDArray[np.inexact], longer: NDArray[np.inexact]) -> Array:
+    """Correlate a window of real or complex samples (n,) with every window (m - n + 1,) of a longer signal (m,).
+
+    Returns
+    -------
+    Array
+        Real parts of the correlation coefficients, (m - n + 1,).
+    """
+    size = len(values)
+    centred = values - values.mean()
+    windows = np.lib.stride_tricks.sliding_window_view(longer, size)
+    deviation = np.sqrt(size * np.maximum(window_variances(np.asarray(longer), size), 1e-24))
+    return np.asarray((windows @ np.conj(centred)).real / (deviation * max(float(np.linalg.norm(centred)), 1e-12)))
+
+
+def window_variances(values: NDArray[Any], size: int) -> Array:
+    """Compute the variance of every window of so many real or complex values, by running sums."""
+    centred = values - values.mean()
+
+    def window_means(of: NDArray[Any]) -> NDArray[Any]:
+        sums = np.concatenate([np.zeros(1, dtype=of.dtype), np.cumsum(of)])
+        return np.asarray((sums[size:] - sums[:-size]) / size)
+
+    squares = window_means(np.abs(centred) ** 2)
+    return np.asarray(np.maximum(squares - np.abs(window_means(centred)) ** 2, 0.0))
