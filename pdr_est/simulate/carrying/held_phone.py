@@ -58,7 +58,6 @@ class HeldPhone:
         jerk = [body.activity * BroadbandNoise(self.unrest_mps2, 2, rng).at(body.time_s) for _ in range(3)]
         step, stride = body.phase * (2.0 * np.pi), body.phase * np.pi
         still = constant_signal(0.0, len(body.time_s))
-        facing_rad = self.heading_offset_rad - np.pi / 2.0  # the y axis, not the x axis, points ahead
         return DevicePose(
             forward=drift[0] + jerk[0] + self.forward_m,
             left=drift[1] + jerk[1] + self.left_m,
@@ -68,7 +67,12 @@ class HeldPhone:
                 flexion=still,
                 abduction=still,
             ),
-            mount=Rotation.from_euler("ZX", [facing_rad, self.tilt_rad]),
+            mount=self.mount(),
             pitch=body.activity * step.sin() * self.rock_pitch_rad + wander[1] + shake[1] + turn[1],
             roll=body.activity * stride.sin() * self.rock_roll_rad + wander[2] + shake[2] + turn[2],
         )
+
+    def mount(self) -> Rotation:
+        """Compute the phone's orientation in the hand."""
+        facing_rad = self.heading_offset_rad - np.pi / 2.0  # the y axis, not the x axis, points ahead
+        return Rotation.from_euler("ZX", [facing_rad, self.tilt_rad])

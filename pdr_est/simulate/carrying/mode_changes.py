@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Ge, Le
 from pydantic import Field
+from scipy.spatial.transform import Rotation
 
 from pdr_est.errors import ConfigError
 from pdr_est.frames import Array
@@ -64,6 +65,23 @@ class _CarryingInterval:
     carry: CarryingModel
     begin_s: float
     end_s: float
+
+
+def sideways_gravity(before: Rotation, after: Rotation, flick_rad: tuple[float, float, float]) -> float:
+    """Compute the largest share of gravity along the phone's x axis while a hand turns it to another mount.
+
+    Parameters
+    ----------
+    before, after : Rotation
+        Orientations of the phone, device to body, at both ends.
+    flick_rad : tuple of float
+        Rotation of the wrist about the phone's axes that is undone on the way, rad.
+    """
+    share = np.linspace(0.0, 1.0, 21)
+    turn = Rotation.from_rotvec(np.outer(share, (before.inv() * after).as_rotvec()))
+    flick = Rotation.from_rotvec(np.outer(4.0 * share * (1.0 - share), flick_rad))
+    upwards = (before * turn * flick).inv().apply([0.0, 0.0, 1.0])
+    return float(np.abs(upwards[:, 0]).max())
 
 
 def check_mode_changes(name: str, changes: tuple[ModeChange, ...]) -> None:

@@ -25,7 +25,7 @@ from pdr_est.simulate.walker.gait_stretches import (
 )
 from pdr_est.types.steps import Gait
 
-SETTLE_S = 0.6  # the body comes to rest this long after the last heel strike before a standstill
+SETTLE_S = 0.4  # the body comes to rest this long after the last heel strike before a standstill
 
 _DRIFT_HZ = (0.008, 0.03)
 
