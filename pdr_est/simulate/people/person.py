@@ -222,15 +222,16 @@ def _flick(before: CarriedPhone, carry: CarriedPhone, rng: np.random.Generator) 
 def _tipped(
     before: HeldPhone, carry: PocketPhone, flick_rad: tuple[float, float, float], rng: np.random.Generator
 ) -> tuple[float, float, float]:
-    """Change the flick about the y axis until the phone is tipped sideways as far as one on its way into a real pocket.
+    """Change the flick about the y axis until the phone is tipped sideways as far as on its way into a real pocket.
 
-    In ten recordings of four people (Oxford steps, hyperimu of `walks`, Sensor Logger) at most 0.58 to 0.86 of gravity
-    are along the x axis meanwhile, mean 0.73 and standard deviation 0.1.
+    In ten recordings of four people (Oxford steps, hyperimu of `walks`, Sensor Logger) at most 0.58 to 0.86 of
+    gravity are along the x axis meanwhile, mean 0.73 and standard deviation 0.1.
     """
     about_x, about_y, about_z = flick_rad
     wanted = 0.73 + 0.1 * _normal(rng)
+    mounts = before.mount(), carry.mount()
     others = np.linspace(-_MOST_FLICK_RAD, _MOST_FLICK_RAD, 61)
-    off = [abs(sideways_gravity(before.mount(), carry.mount(), (about_x, other, about_z)) - wanted) for other in others]
+    off = [abs(sideways_gravity(*mounts, (about_x, other, about_z)) - wanted) for other in others]
     near = [float(other) for other, by in zip(others, off, strict=True) if by < _TIPPED_TO]
     chosen = min(near, key=lambda other: abs(other - about_y)) if near else float(others[int(np.argmin(off))])
     return about_x, chosen, about_z

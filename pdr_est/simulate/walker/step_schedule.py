@@ -25,7 +25,9 @@ from pdr_est.simulate.walker.gait_stretches import (
 )
 from pdr_est.types.steps import Gait
 
-SETTLE_S = 0.4  # the body comes to rest this long after the last heel strike before a standstill
+# The body comes to rest this long after the last heel strike before a standstill. In real halts (weallwalk,
+# oxford-steps, awinda) the signal of the default step detector rises once more by a quarter of a usual step's rise.
+SETTLE_S = 0.4
 
 _DRIFT_HZ = (0.008, 0.03)
 
