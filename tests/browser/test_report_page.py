@@ -80,28 +80,38 @@ def test_a_chart_moves_the_cursor_of_everything(report: str, open_page: OpenPage
     assert float(page.locator(".time-slider").input_value()) > 5.0
 
 
+def numbers_in(text: str) -> list[float]:
+    return [float(number.replace("−", "-")) for number in re.findall(r"[−-]?\d+\.\d+", text)]
+
+
+def pointed_place(page: Page, x: float, y: float) -> list[float]:
+    """Point at a pixel of the window; return the place on the map that is shown, m."""
+    shown = page.locator(".map-place")
+    before = shown.inner_text()
+    page.mouse.move(x, y)
+    expect(shown).not_to_have_text(before)
+    return numbers_in(shown.inner_text())
+
+
 def test_pointing_at_a_step_on_the_map_shows_it(report: str, open_page: OpenPage) -> None:
     page = open_page(report)
-    page.locator(".time-slider").evaluate("s => { s.value = 30; s.dispatchEvent(new Event('input')); }")
+    at_time = "(slider, time) => { slider.value = time; slider.dispatchEvent(new Event('input')); }"
+    page.locator(".time-slider").evaluate(at_time, 30)
     there = cell(page, 1)
-    x_m, y_m = (float(number.replace("−", "-")) for number in re.findall(r"[−\d.]+", there)[:2])
+    page.locator(".time-slider").evaluate(at_time, 0)
+    assert cell(page, 1) != there
     page.locator("#track-map").scroll_into_view_if_needed()
     box = page.locator("#track-map").bounding_box()
     assert box is not None
-    page.mouse.move(box["x"] + 60.0, box["y"] + 5.0)  # far from the track
-    page.locator(".time-slider").evaluate("s => { s.value = 0; s.dispatchEvent(new Event('input')); }")
-    assert cell(page, 1) != there
-    for across in range(1, 30):  # look for the place with the pointer
-        for down in range(1, 20):
-            page.mouse.move(box["x"] + across * box["width"] / 30, box["y"] + down * box["height"] / 20)
-            shown = page.locator(".map-place").inner_text()
-            at = [float(number.replace("−", "-")) for number in re.findall(r"[−-]?\d+\.\d", shown)]
-            if at and abs(at[0] - x_m) < 1.2 and abs(at[1] - y_m) < 1.2:
-                found = [float(n.replace("−", "-")) for n in re.findall(r"[−\d.]+", cell(page, 1))[:2]]
-                assert abs(found[0] - x_m) < 3.0
-                assert abs(found[1] - y_m) < 3.0
-                return
-    pytest.fail("the place of the step is not on the map")
+    left, top = box["x"] + 100.0, box["y"] + 100.0
+    first = pointed_place(page, left, top)
+    second = pointed_place(page, left + 200.0, top + 200.0)
+    pixels = [200.0 / (there - here) for here, there in zip(first, second, strict=True)]  # in a metre
+    right, down = ((m - here) * scale for m, here, scale in zip(numbers_in(there), first, pixels, strict=True))
+    page.mouse.move(left + right, top + down)
+    expect(page.locator("#cursor-table tbody td").nth(1)).to_have_text(re.compile(re.escape(there.split(".")[0])))
+    found = numbers_in(cell(page, 1))
+    assert np.hypot(*np.subtract(found, numbers_in(there))) < 1.0  # the nearest pose, at a place shown to 0.1 m
 
 
 def test_zoom_of_one_chart_is_that_of_all(report: str, open_page: OpenPage) -> None:
