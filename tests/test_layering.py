@@ -33,6 +33,7 @@ ORDER: list[set[str]] = [
     {
         "io.formats",
         "io.writers",
+        "io.floor_plans",
         "front_end.steps",
         "estimators.fixed_lag",
         "estimators.robust_dr",
@@ -65,6 +66,8 @@ LIBRARIES = {
     # A track gives data frames and drawings of itself; both libraries are imported at use.
     "polars": ("io", "types.track", "types.track_output"),
     "matplotlib": ("report", "types.track", "types.track_output"),
+    "shapely": ("io.floor_plans",),
+    "skimage": ("io.floor_plans",),
     "jinja2": ("report",),
     "click": ("cli",),
     "starlette": ("live",),
