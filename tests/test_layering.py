@@ -33,12 +33,12 @@ ORDER: list[set[str]] = [
     {
         "io.formats",
         "io.writers",
-        "io.floor_plans",
         "front_end.steps",
         "estimators.fixed_lag",
         "estimators.robust_dr",
         "estimators.heading_chain",
     },
+    {"io.floor_plans"},
     {"io", "front_end.gait", "estimators"},
     {"front_end.step_length", "front_end.heading", "front_end.height", "front_end.step_noise"},
     {"front_end.odometry"},

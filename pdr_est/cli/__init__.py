@@ -35,6 +35,7 @@ COMMANDS = MappingProxyType(
         "experiment": "experiment:experiment",
         "compare": "compare:compare",
         "evaluate": "evaluate:evaluate_command",
+        "plan": "plan:plan_command",
         "config": "config:config",
         "train-gait": "train_gait:train_gait_command",
         "demo": "demo:demo_command",

@@ -10,6 +10,7 @@ from pdr_est.errors import FloorPlanError, RecordingError
 from pdr_est.frames import Array, GeoOrigin
 from pdr_est.io.floor_plans.competition_map import INFO, MAP, competition_floor
 from pdr_est.io.floor_plans.geojson_plan import parse_geojson, read_geojson_plan
+from pdr_est.io.floor_plans.picture import PICTURE_BEGINS
 from pdr_est.io.floor_plans.plan_units import (
     looks_like_degrees,
     metres_from_degrees,
@@ -28,7 +29,6 @@ SIGMA_DRAWING_M = 0.2
 """Standard deviation of a drawing that states none, m: the thickness of a wall that is drawn as a line (ours)."""
 
 _SUFFIXES = (".geojson", ".json")
-_PICTURES = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\x00", b"MM\x00*", b"RIFF")
 
 
 def read_floor_plan(
@@ -85,7 +85,7 @@ def read_floor_plans(
         info = None if beside is None else beside.read(beside.members[0])
     except RecordingError as error:  # of files in general: missing, damaged, unreadable
         raise FloorPlanError(str(error)) from error
-    if data.startswith(_PICTURES):
+    if data.startswith(PICTURE_BEGINS):
         raise FloorPlanError(
             f"{place}: is a picture: make a plan of it first, with `pdr-est plan` and two known points (--point)"
         )

@@ -14,6 +14,10 @@ LEAST_AREA_M2 = 0.25
 """Smallest piece of floor that is kept, m²: as much as a standing person covers (ours). Drawings of neighbouring
 shops seldom meet exactly, and leave slivers between them."""
 
+NARROWEST_M = 0.3
+"""Width of the narrowest passage, m: the depth of a person who goes sideways (ours). Narrower slits are gaps between
+pieces that were drawn apart."""
+
 _SIMPLER_BY_M = 0.01  # corners that move an edge by less are left out; no drawing is that exact
 _INSIDE = 0.5  # share of a polygon inside of others that makes it one of their holes
 
@@ -47,7 +51,7 @@ def walkable_areas(drawn: DrawnFloor, place: str, repair: bool = False) -> tuple
     floor, closed = list(map(valid, drawn.floor)), list(map(valid, drawn.closed))
     more_floor, more_closed = _by_nesting(shapely, list(map(valid, drawn.undecided)), floor)
     whole = shapely.union_all([*floor, *more_floor])
-    free = shapely.difference(whole, shapely.union_all([*closed, *more_closed]))
+    free = _without_slits(shapely, shapely.difference(whole, shapely.union_all([*closed, *more_closed])))
     pieces = [one for one in _polygons(shapely, shapely.simplify(free, _SIMPLER_BY_M)) if one.area >= LEAST_AREA_M2]
     if not pieces:
         raise FloorPlanError(
@@ -106,6 +110,13 @@ def _by_nesting(shapely: Any, undecided: Sequence[Any], floor: Sequence[Any]) ->
         nested = shapely.intersection(one, around).area > _INSIDE * one.area
         (inner if nested else outer).append(one)
     return outer, inner
+
+
+def _without_slits(shapely: Any, free: Any) -> Any:
+    """Take off what is narrower than a passage: shrink the floor, and let what is left grow back."""
+    shrunk = shapely.buffer(free, -NARROWEST_M / 2.0, join_style="mitre")
+    grown = shapely.buffer(shrunk, NARROWEST_M / 2.0, join_style="mitre")
+    return shapely.intersection(grown, free)
 
 
 def _polygons(shapely: Any, shape: Any) -> Iterable[Any]:

@@ -20,6 +20,7 @@ from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.walk.descriptions import describe_directions, describe_frame, describe_length_scale
 from pdr_est.report.walk.mode_statistics import mode_statistics
 from pdr_est.types.clock import utc_date
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import PositionFix, StartPose
@@ -96,6 +97,7 @@ def summarise(
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
         "fixes": _fixes(walk.fixes, walk.fixes_used, start),
         "height": _height(track.height),
+        "floor_plan": None if walk.plan is None else _floor_plan(walk, walk.plan),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
@@ -142,6 +144,19 @@ def _height(profile: HeightProfile | None) -> Json | None:
         "highest_m": float(profile.height_m.max()),
         "floor_probability": float(profile.floor_probability.min()),
         "moves": [asdict(move) | {"kind": move.kind.value} for move in profile.moves],
+    }
+
+
+def _floor_plan(walk: SmoothedWalk, plan: FloorPlan) -> Json:
+    """Describe the floor plan, and how much of the track lies outside of it."""
+    outside = ~plan.contains(walk.track.of_device(walk.track.devices[-1]).position_m)
+    return {
+        "name": plan.name,
+        "floor": plan.floor,
+        "walkable_m2": plan.area_m2,
+        "sigma_m": plan.sigma_m,
+        "share_of_track_outside": float(outside.mean()),
+        "notes": plan.notes,
     }
 
 
