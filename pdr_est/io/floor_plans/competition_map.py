@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pdr_est.errors import FloorPlanError
-from pdr_est.io.floor_plans.geojson_plan import feature_name, polygons_of
+from pdr_est.io.floor_plans.geojson_plan import polygons_of
 from pdr_est.io.floor_plans.plan_units import stretched_to
 from pdr_est.io.floor_plans.shapes import DrawnFloor
 
@@ -21,7 +21,9 @@ MAP, INFO = "geojson_map.json", "floor_info.json"
 """Names of the two files of a floor."""
 
 
-def competition_floor(document: Mapping[str, Any], info: bytes, place: str, info_place: str) -> DrawnFloor:
+def competition_floor(
+    document: Mapping[str, Any], info: bytes, place: str, info_place: str
+) -> tuple[DrawnFloor, tuple[str, ...]]:
     """Make the drawing of the floor in metres.
 
     Parameters
@@ -33,26 +35,37 @@ def competition_floor(document: Mapping[str, Any], info: bytes, place: str, info
     place, info_place
         What to call the two in messages.
 
+    Returns
+    -------
+    drawn : DrawnFloor
+        The floor, and what stands on it.
+    notes : tuple of str
+        How many features were left out, which nobody can mend.
+
     Raises
     ------
     FloorPlanError
         For a map without outline of the floor, and a floor without width or height.
     """
     width_height_m = _size_m(info, info_place)
-    parts = [
-        polygons_of(feature.get("geometry"), feature_name(number, feature.get("properties") or {}), place)
-        for number, feature in enumerate(document["features"], start=1)
-    ]
-    if not parts[0]:
+    first, *others = document["features"]
+    outline = polygons_of(first.get("geometry"), "feature 1", place)
+    if not outline:
         raise FloorPlanError(
             f"{place}: the first feature is no polygon of the floor: give the map of the competition"
         )
-    drawn = DrawnFloor(floor=parts[0], closed=[one for part in parts[1:] for one in part])
+    drawn, left_out = DrawnFloor(floor=outline), 0
+    for number, feature in enumerate(others, start=2):
+        try:
+            drawn.closed += polygons_of(feature.get("geometry"), f"feature {number}", place)
+        except FloorPlanError:
+            left_out += 1
+    notes = (f"{left_out} features are no polygons and are left out",) if left_out else ()
     corners = np.concatenate([ring for one in drawn.floor for ring in one.rings])
     low, extent = corners.min(axis=0), np.ptp(corners, axis=0)
     if (extent <= 0.0).any():
         raise FloorPlanError(f"{place}: the outline of the floor has no area: give the map of the competition")
-    return stretched_to(drawn, low, width_height_m / extent)
+    return stretched_to(drawn, low, width_height_m / extent), notes
 
 
 def _size_m(info: bytes, place: str) -> Any:

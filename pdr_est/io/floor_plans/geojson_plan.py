@@ -78,14 +78,14 @@ def read_geojson_plan(document: Mapping[str, Any], place: str) -> GeoJsonPlan:
         properties = properties if isinstance(properties, dict) else {}
         storey = _storey(properties)
         target = everywhere if storey is None else floors.setdefault(storey, DrawnFloor())
-        _add(target, feature.get("geometry"), properties.get("kind"), feature_name(number, properties), place)
+        _add(target, feature.get("geometry"), properties.get("kind"), _feature_name(number, properties), place)
     for drawn in floors.values():
         for name in ("floor", "closed", "undecided", "walls"):
             getattr(drawn, name).extend(getattr(everywhere, name))
     return GeoJsonPlan(floors or {"": everywhere}, _unit(document, place), _sigma_m(document, place))
 
 
-def feature_name(number: int, properties: Mapping[str, Any]) -> str:
+def _feature_name(number: int, properties: Mapping[str, Any]) -> str:
     """Name a feature in messages, such as `feature 3 ("lift")`."""
     title = properties.get("name")
     return f"feature {number}" + (f' ("{title[:40]}")' if isinstance(title, str) and title else "")

@@ -93,8 +93,8 @@ def read_floor_plans(
     name = member_stem(member)
     if beside is not None and info is not None:
         floor = source.folder_name(member)
-        drawn = competition_floor(document, info, place, beside.place(beside.members[0]))
-        return (_plan(drawn, place, floor, floor, None, sigma_m or SIGMA_DRAWING_M, repair=True),)
+        drawn, notes = competition_floor(document, info, place, beside.place(beside.members[0]))
+        return (_plan(drawn, place, floor, floor, None, sigma_m or SIGMA_DRAWING_M, notes),)
     if Path(member).name == MAP:
         raise FloorPlanError(
             f"{place}: {INFO} is not beside it, which has width and height: put both into one folder"
@@ -147,9 +147,10 @@ def _plan(
     floor: str,
     origin: GeoOrigin | None,
     sigma_m: float,
-    repair: bool = False,
+    notes: tuple[str, ...] | None = None,
 ) -> FloorPlan:
+    """Make the record of a floor; a plan with `notes` is one that nobody can mend."""
     where = f"{place}, floor {floor}" if floor else place
-    areas, repaired = walkable_areas(drawn, where, repair)
-    notes = (f"{repaired} outlines cross themselves and are divided at the crossings",) if repaired else ()
-    return FloorPlan(name, areas, wall_segments(drawn.walls), sigma_m, floor, origin, notes)
+    areas, repaired = walkable_areas(drawn, where, repair=notes is not None)
+    crossing = (f"{repaired} outlines cross themselves and are divided at the crossings",) if repaired else ()
+    return FloorPlan(name, areas, wall_segments(drawn.walls), sigma_m, floor, origin, (*(notes or ()), *crossing))

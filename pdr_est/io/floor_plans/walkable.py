@@ -1,6 +1,6 @@
 """Compute the walkable areas of a drawn floor: walkable pieces without the closed ones."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -81,7 +81,7 @@ def _checked(shapely: Any, place: str, repair: bool) -> tuple[Callable[[DrawnPol
             return polygon
         if repair:
             repaired.append(drawn.name)
-            return shapely.make_valid(polygon)
+            return shapely.union_all(_polygons(shapely, shapely.make_valid(polygon)))  # without lines and points
         raise FloorPlanError(
             f"{place}, {drawn.name}: {_fault(shapely.is_valid_reason(polygon))}: draw its corners in their order "
             "along the outline, and holes inside of it"
@@ -119,9 +119,10 @@ def _without_slits(shapely: Any, free: Any) -> Any:
     return shapely.intersection(grown, free)
 
 
-def _polygons(shapely: Any, shape: Any) -> Iterable[Any]:
-    """List the polygons of a shape of any kind."""
-    return [one for one in shapely.get_parts(shape).tolist() if one.geom_type == "Polygon"]
+def _polygons(shapely: Any, shape: Any) -> list[Any]:
+    """List the polygons of a shape of any kind, also of collections in it."""
+    parts = shapely.get_parts(shapely.get_parts(shape)).tolist()
+    return [one for one in parts if one.geom_type == "Polygon"]
 
 
 def _area(polygon: Any) -> WalkableArea:

@@ -191,9 +191,15 @@ def test_the_map_of_the_competition_is_stretched_to_its_stated_size(tmp_path: Pa
 
 def test_crossing_outlines_of_the_competition_are_divided_and_noted(tmp_path: Path) -> None:
     corner = GeoOrigin(30.3, 120.07)
-    folder = competition_folder(tmp_path, polygon(degrees_of(HALL, corner)), polygon(degrees_of(BOW_TIE, corner)))
+    flat = polygon(degrees_of([[1, 1], [2, 2], [1, 1]], corner))
+    folder = competition_folder(
+        tmp_path, polygon(degrees_of(HALL, corner)), polygon(degrees_of(BOW_TIE, corner)), flat
+    )
     plan = read_floor_plan(folder)
-    assert plan.notes == ("1 outlines cross themselves and are divided at the crossings",)
+    assert plan.notes == (
+        "1 features are no polygons and are left out",
+        "1 outlines cross themselves and are divided at the crossings",
+    )
     assert plan.area_m2 == pytest.approx(2.0 * (1200.0 - 50.0), rel=1e-3)
 
 
@@ -219,3 +225,11 @@ def test_a_plan_on_the_earth_is_written_and_read_again(tmp_path: Path) -> None:
     assert again.origin == plan.origin
     assert again.area_m2 == pytest.approx(plan.area_m2, rel=1e-4)
     np.testing.assert_allclose(again.walls_m, plan.walls_m, atol=2e-3)
+
+
+def test_a_crossing_outline_with_a_spike_keeps_its_areas(tmp_path: Path) -> None:
+    spiked = [[0, 0], [10, 10], [10, 0], [0, 10], [-3, 13], [0, 10], [0, 0]]
+    corner = GeoOrigin(30.3, 120.07)
+    moved = [[x + 5, y + 5] for x, y in spiked]
+    folder = competition_folder(tmp_path, polygon(degrees_of(HALL, corner)), polygon(degrees_of(moved, corner)))
+    assert read_floor_plan(folder).area_m2 == pytest.approx(2.0 * (1200.0 - 50.0), rel=1e-3)
