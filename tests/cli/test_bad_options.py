@@ -62,7 +62,7 @@ def test_what_must_be_given(good: Path) -> None:
     assert refused("smoth", good) == "No such command 'smoth': did you mean smooth?; see pdr-est --help"
     assert (
         "there are inspect, steps, smooth, track, calibrate, convert, benchmark, experiment, compare, evaluate, "
-        "config, train-gait, demo" in refused("xyz")
+        "plan, config, train-gait, demo" in refused("xyz")
     )
 
 

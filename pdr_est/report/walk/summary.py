@@ -95,9 +95,7 @@ def summarise(
         "gait_model_sha256": gait_model_sha256,
         "start": start,
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
-        "fixes": _fixes(walk.fixes, walk.fixes_used, start),
-        "height": _height(track.height),
-        "floor_plan": None if walk.plan is None else _floor_plan(walk, walk.plan),
+        **_known_places(walk, start),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
@@ -144,6 +142,14 @@ def _height(profile: HeightProfile | None) -> Json | None:
         "highest_m": float(profile.height_m.max()),
         "floor_probability": float(profile.floor_probability.min()),
         "moves": [asdict(move) | {"kind": move.kind.value} for move in profile.moves],
+    }
+
+
+def _known_places(walk: SmoothedWalk, start: StartPose | None) -> Json:
+    return {
+        "fixes": _fixes(walk.fixes, walk.fixes_used, start),
+        "height": _height(walk.track.height),
+        "floor_plan": None if walk.plan is None else _floor_plan(walk, walk.plan),
     }
 
 
