@@ -19,10 +19,9 @@ from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.walk.descriptions import describe_directions, describe_frame, describe_length_scale
 from pdr_est.report.walk.mode_statistics import mode_statistics
+from pdr_est.report.walk.places import describe_height, describe_walk_on_plan
 from pdr_est.types.clock import utc_date
-from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.ground_truth import Truth
-from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.track import Track
@@ -132,37 +131,11 @@ def to_json(value: Any) -> Any:
     raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
 
 
-def _height(profile: HeightProfile | None) -> Json | None:
-    """Describe the floors that were visited, and how the walker changed them."""
-    if profile is None:
-        return None
-    return {
-        "floors": sorted(set(profile.floor.tolist())),
-        "lowest_m": float(profile.height_m.min()),
-        "highest_m": float(profile.height_m.max()),
-        "floor_probability": float(profile.floor_probability.min()),
-        "moves": [asdict(move) | {"kind": move.kind.value} for move in profile.moves],
-    }
-
-
 def _known_places(walk: SmoothedWalk, start: StartPose | None) -> Json:
     return {
         "fixes": _fixes(walk.fixes, walk.fixes_used, start),
-        "height": _height(walk.track.height),
-        "floor_plan": None if walk.plan is None else _floor_plan(walk, walk.plan),
-    }
-
-
-def _floor_plan(walk: SmoothedWalk, plan: FloorPlan) -> Json:
-    """Describe the floor plan, and how much of the track lies outside of it."""
-    outside = ~plan.contains(walk.track.of_device(walk.track.devices[-1]).position_m)
-    return {
-        "name": plan.name,
-        "floor": plan.floor,
-        "walkable_m2": plan.area_m2,
-        "sigma_m": plan.sigma_m,
-        "share_of_track_outside": float(outside.mean()),
-        "notes": plan.notes,
+        "height": describe_height(walk.track.height),
+        "floor_plan": None if walk.plan is None else describe_walk_on_plan(walk, walk.plan),
     }
 
 
