@@ -75,6 +75,7 @@ def test_a_walk_on_its_plan(good: Path, tmp_path: Path) -> None:
     assert str(path) in {one["name"] for one in summary["inputs"]}
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "walkable floor" in page
+    assert '"kind": "lines"' in page.replace('"kind":"lines"', '"kind": "lines"')
     assert "475 m² walkable; 0.0 % of the poses lie outside" in page
     assert "factor-graph takes only the directions of the walls from the floor plan" in result.stderr
 
