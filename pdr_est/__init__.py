@@ -25,6 +25,7 @@ Types
 - PositionFix: known position with covariance, such as GPS or a surveyed point.
 - DeviceTether: upper bound on the distance between two devices on one body.
 - LoopClosure: the walk ends where it began.
+- FloorPlan: walkable areas and walls of a floor, as `read_floor_plan` returns it.
 - StartPose: position and heading at the start, as far as they are known.
 - DeviceMeasurements: all measurements of one device.
 - Track: result of an estimator. *Filtered* poses use the past only, *smoothed* poses use the whole walk, *delayed*
@@ -76,9 +77,10 @@ if TYPE_CHECKING:
     from pdr_est.calibration.profile import Profile, apply_profile
     from pdr_est.calibration.profile_file import load_profile, save_profile
     from pdr_est.config import Config, load_config
-    from pdr_est.errors import ConfigError, EstimationError, OutputError, PdrError, RecordingError
+    from pdr_est.errors import ConfigError, EstimationError, FloorPlanError, OutputError, PdrError, RecordingError
     from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph
     from pdr_est.estimators.spec import Estimator, EstimatorSpec
+    from pdr_est.io.floor_plans.reading import read_floor_plan
     from pdr_est.io.formats.registry import read
     from pdr_est.online import Tracker
     from pdr_est.parts import Parts
@@ -86,6 +88,7 @@ if TYPE_CHECKING:
     from pdr_est.public_api import analyse, detect_steps, estimate, smooth
     from pdr_est.types.analysis import DeviceWalk
     from pdr_est.types.findings import Finding, FindingKind
+    from pdr_est.types.floor_plan import FloorPlan, WalkableArea
     from pdr_est.types.measurements import (
         DeviceMeasurements,
         DeviceTether,
@@ -116,6 +119,8 @@ __all__ = [
     "EstimatorSpec",
     "Finding",
     "FindingKind",
+    "FloorPlan",
+    "FloorPlanError",
     "HeadingPrior",
     "LoopClosure",
     "OutputError",
@@ -133,6 +138,7 @@ __all__ = [
     "Track",
     "Tracker",
     "WalkGraph",
+    "WalkableArea",
     "__version__",
     "analyse",
     "apply_profile",
@@ -144,6 +150,7 @@ __all__ = [
     "load_profile",
     "merge_recordings",
     "read",
+    "read_floor_plan",
     "save_profile",
     "smooth",
 ]
@@ -155,7 +162,15 @@ _MODULES = {
     "pdr_est.config": ("Config", "load_config"),
     "pdr_est.estimators.factor_graph.build": ("WalkGraph", "build_graph"),
     "pdr_est.estimators.spec": ("Estimator", "EstimatorSpec"),
-    "pdr_est.errors": ("ConfigError", "EstimationError", "OutputError", "PdrError", "RecordingError"),
+    "pdr_est.errors": (
+        "ConfigError",
+        "EstimationError",
+        "FloorPlanError",
+        "OutputError",
+        "PdrError",
+        "RecordingError",
+    ),
+    "pdr_est.io.floor_plans.reading": ("read_floor_plan",),
     "pdr_est.io.formats.registry": ("read",),
     "pdr_est.online": ("Tracker",),
     "pdr_est.parts": ("Parts",),
@@ -163,6 +178,7 @@ _MODULES = {
     "pdr_est.public_api": ("analyse", "detect_steps", "estimate", "smooth"),
     "pdr_est.types.analysis": ("DeviceWalk",),
     "pdr_est.types.findings": ("Finding", "FindingKind"),
+    "pdr_est.types.floor_plan": ("FloorPlan", "WalkableArea"),
     "pdr_est.types.measurements": (
         "DeviceMeasurements",
         "DeviceTether",

@@ -30,6 +30,10 @@ class SeveralWalksError(RecordingError):
         self.by_device = by_device
 
 
+class FloorPlanError(PdrError):
+    """A floor plan cannot be used: its file is damaged, its polygons or units are wrong, or the floor is missing."""
+
+
 class ConfigError(PdrError):
     """A configuration or an option has an unknown key or a value out of range."""
 

@@ -1,9 +1,11 @@
-"""Angles, quaternions and planar rotations.
+"""Map frame, angles, quaternions and planar rotations.
 
 Map frame: x east, y north, headings counter-clockwise from east. Quaternions are w first and rotate device
 coordinates into level or world coordinates. Every function works element by element, so that a result does not
 depend on how a signal was cut into blocks.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +18,20 @@ STANDARD_GRAVITY_MPS2 = 9.80665
 
 SIGMA_UNIFORM_RAD = float(np.pi / np.sqrt(3.0))
 """Standard deviation of an angle of which nothing is known: uniform on the circle (rad)."""
+
+
+@dataclass(frozen=True)
+class GeoOrigin:
+    """Origin of the map frame on the WGS 84 ellipsoid.
+
+    Attributes
+    ----------
+    latitude_deg, longitude_deg
+        Geodetic coordinates, degrees.
+    """
+
+    latitude_deg: float
+    longitude_deg: float
 
 
 def wrap_angle(angle_rad: ArrayLike) -> Array:

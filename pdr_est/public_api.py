@@ -19,6 +19,7 @@ from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, NO_PARTS, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
@@ -43,6 +44,7 @@ def smooth(
     config: Config | None = None,
     fixes: Sequence[PositionFix] = (),
     parts: Parts = NO_PARTS,
+    plan: FloorPlan | None = None,
 ) -> Track:
     """Estimate the track of a recorded walk with the configured estimator (default: factor graph).
 
@@ -56,6 +58,8 @@ def smooth(
         Known positions in the map frame.
     parts
         Stages and an estimator of your own, in place of those that the settings name.
+    plan
+        Floor plan in the map frame, as `read_floor_plan` returns it.
 
     Returns
     -------
@@ -67,9 +71,9 @@ def smooth(
     Raises
     ------
     PdrError
-        If recording, settings or fixes give no track.
+        If recording, settings, fixes or plan give no track.
     """
-    return pipeline.smooth_recording(recording, Config() if config is None else config, fixes, parts).track
+    return pipeline.smooth_recording(recording, Config() if config is None else config, fixes, parts, plan).track
 
 
 def analyse(recording: Recording, config: Config | None = None, parts: Parts = NO_PARTS) -> tuple[DeviceWalk, ...]:
@@ -138,6 +142,7 @@ def estimate(
     start: StartPose | None = None,
     tethers: Sequence[DeviceTether] = (),
     sigma_length_scale: float = _SIGMA_LENGTH_SCALE,
+    plan: FloorPlan | None = None,
 ) -> Track:
     """Estimate a track from step odometry, whatever front end it comes from.
 
@@ -158,6 +163,8 @@ def estimate(
         Bounds on the distance between devices.
     sigma_length_scale
         Standard deviation of the walker's step length relative to that of the odometry.
+    plan
+        Floor plan in the map frame, for an estimator whose spec says `uses_plan`; others take no notice of it.
 
     Returns
     -------
@@ -169,8 +176,10 @@ def estimate(
     EstimationError
         If there is no odometry, it is out of order, or the measurements have no unique solution.
     """
+    plans = () if plan is None else (plan,)
     devices = [
-        DeviceMeasurements(one.device, one.start_s, (*one.measurements, *fixes)) for one in _by_device(odometry)
+        DeviceMeasurements(one.device, one.start_s, (*one.measurements, *fixes, *plans))
+        for one in _by_device(odometry)
     ]
     chosen: Estimator = (
         estimator_named(estimator)

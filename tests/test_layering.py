@@ -38,6 +38,7 @@ ORDER: list[set[str]] = [
         "estimators.robust_dr",
         "estimators.heading_chain",
     },
+    {"io.floor_plans"},
     {"io", "front_end.gait", "estimators"},
     {"front_end.step_length", "front_end.heading", "front_end.height", "front_end.step_noise"},
     {"front_end.odometry"},
@@ -65,6 +66,8 @@ LIBRARIES = {
     # A track gives data frames and drawings of itself; both libraries are imported at use.
     "polars": ("io", "types.track", "types.track_output"),
     "matplotlib": ("report", "types.track", "types.track_output"),
+    "shapely": ("io.floor_plans",),
+    "skimage": ("io.floor_plans",),
     "jinja2": ("report",),
     "click": ("cli",),
     "starlette": ("live",),

@@ -43,6 +43,8 @@ class EstimatorSpec:
         It makes use of `LoopClosure`: the walk ends where it began.
     uses_tethers
         It makes use of tethers between devices.
+    uses_plan
+        It makes use of a `FloorPlan`, which then stands among the measurements of each device.
     needs_gtsam
         It loads gtsam, which takes about a second.
     """
@@ -54,6 +56,7 @@ class EstimatorSpec:
     uses_fixes: bool = True
     uses_closure: bool = False
     uses_tethers: bool = False
+    uses_plan: bool = False
     needs_gtsam: bool = False
 
 

@@ -93,6 +93,7 @@ _START = "after moving the first true position onto the track and turning to the
 _HELD = "of a track that was given the other true positions as fixes"
 _GPS = "of a track whose only fixes are the GPS positions in the recording"
 _NORTH = "of a track that was given the first true position, and whose direction comes from the phone's north"
+_PLAN = "of a track that was given the floor plan and the first true position"
 _PROFILE = "with the step length learnt from sparse fixes of the other walks of the person, or of the place"
 _CALIBRATED = "after calibrating the walker on other walks of the set"
 
@@ -128,6 +129,17 @@ DEFINITIONS: Mapping[str, Metric] = MappingProxyType(
             f"Share of the later true positions inside the stated 95 % region {_NORTH}. More than 0.95 is as wrong "
             "as less.",
             0.95,
+        ),
+        "error_plan_m": Metric(f"Mean distance to the later true positions {_PLAN}, nothing aligned."),
+        "coverage95_plan": Metric(
+            f"Share of the later true positions inside the stated 95 % region {_PLAN}. More than 0.95 is as wrong as "
+            "less.",
+            0.95,
+        ),
+        "outside_plan": Metric(f"Share of the poses outside of the walkable area {_PLAN}."),
+        "error_heldout_plan_m": Metric(f"error_heldout_m with the floor plan, {_HELD}.", with_fixes=True),
+        "coverage95_heldout_plan": Metric(
+            f"coverage95 with the floor plan, {_HELD}. More than 0.95 is as wrong as less.", 0.95, with_fixes=True
         ),
         "error_gps_m": Metric(f"Mean distance to the surveyed points {_GPS}, nothing aligned.", with_fixes=True),
         "coverage95_gps": Metric(

@@ -10,9 +10,13 @@ from pdr_est.config import Config
 from pdr_est.estimators.person.track import NAME as FUSED
 from pdr_est.experiment.held_out import HeldOut, HeldOutProtocol
 from pdr_est.pipeline import DeviceWalk
+from pdr_est.pipeline.map_directions import with_plan_directions
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
+
+NO_PLAN = "no floor plan beside the recording"
 
 
 class AnalysedWalk:
@@ -33,6 +37,8 @@ class AnalysedWalk:
 
     learns : bool
         True if the walk also shows its walker's length scale, for metrics of other walks.
+    plan : FloorPlan or str
+        Floor plan of the walk, or the reason why there is none.
 
     Attributes
     ----------
@@ -42,6 +48,10 @@ class AnalysedWalk:
         Tracks that were estimated so far, with the fixes that they were given.
     fixed_tracks : dict
         Device, or "fused" for the person -> its track with fixes, as it was scored.
+    plan : FloorPlan or None
+        Floor plan of the walk.
+    without_plan : str
+        Reason why there is no plan; empty if there is one.
     """
 
     def __init__(
@@ -52,6 +62,7 @@ class AnalysedWalk:
         front_end_seconds: float = 0.0,
         protocol: HeldOutProtocol | None = None,
         learns: bool = False,
+        plan: FloorPlan | str = NO_PLAN,
     ) -> None:
         self.recording = recording
         self.devices = tuple(devices)
@@ -60,6 +71,10 @@ class AnalysedWalk:
         self.tracks: list[tuple[tuple[PositionFix, ...], Track]] = []
         self.fixed_tracks: dict[str, Track] = {}
         self.learns = learns
+        self.plan = None if isinstance(plan, str) else plan
+        self.without_plan = plan if isinstance(plan, str) else ""
+        self._devices_on_plan: tuple[DeviceWalk, ...] | None = None
+        self._on_plan: list[tuple[tuple[PositionFix, ...], Track]] = []
         self._protocol = protocol
 
     @property
@@ -95,6 +110,22 @@ class AnalysedWalk:
         track = pipeline.estimate_tracks(self.devices, self.config, fixes)
         self.seconds += time.process_time() - started
         self.tracks.append((tuple(fixes), track))
+        return track
+
+    def track_on_plan(self, fixes: Sequence[PositionFix]) -> Track:
+        """Estimate the track from the sensors, these fixes and the floor plan, which also gives directions."""
+        for given, known in self._on_plan:
+            if _equal(given, fixes):
+                return known
+        started = time.process_time()
+        config = with_plan_directions(self.config, self.plan, self.config.estimator.make().spec)
+        devices = self._devices_on_plan
+        if devices is None:
+            devices = self.devices if config == self.config else pipeline.analyse_recording(self.recording, config)
+            self._devices_on_plan = devices
+        track = pipeline.estimate_tracks(devices, config, fixes, plan=self.plan)
+        self.seconds += time.process_time() - started
+        self._on_plan.append((tuple(fixes), track))
         return track
 
     def track_with_fixes(self, name: str, fixes: Sequence[PositionFix]) -> Track:

@@ -11,6 +11,7 @@ from typing import Protocol
 from pdr_est.calibration.step_length_fit import Calibration, ScaleObservation
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.config import FixesProtocol
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.outcome import TrackOutcome
 from pdr_est.types.recording import Recording
@@ -115,6 +116,11 @@ def nothing_beside(_path: Path) -> Truth:
     return Truth()
 
 
+def no_plan_beside(_path: Path) -> FloorPlan | None:
+    """Return None: `Suite.plan_beside` of a suite whose recordings have no floor plan beside them."""
+    return None
+
+
 @dataclass(frozen=True)
 class ProfileGroup:
     """Walks that learn from each other.
@@ -161,6 +167,8 @@ class Suite:
         Changes a recording before any stage sees it.
     truth_beside : Callable
         Reads the ground truth of a recording from files beside it, by the path of the recording.
+    plan_beside : Callable
+        Reads the floor plan of a recording from files beside it, by the path of the recording; None without any.
     walker_height : Callable
         Reads the height of the walker, m, from files beside a recording, by its path; None where it is not known.
     fixes : "none", "heldout" or None
@@ -183,6 +191,7 @@ class Suite:
     score: Callable[[AnalysedWalk], list[TrackScores]]
     prepare: Callable[[Recording], Recording] = as_recorded
     truth_beside: Callable[[Path], Truth] = nothing_beside
+    plan_beside: Callable[[Path], FloorPlan | None] = no_plan_beside
     walker_height: Callable[[Path], float | None] = unknown_height
     fixes: FixesProtocol | None = None
     calibrated_on: int = 0

@@ -14,6 +14,7 @@ from pdr_est.experiment.suite import Suite, WalkFile
 from pdr_est.io import read
 from pdr_est.simulate import PRESETS, Scenario, preset, psp_walks, robust_dr_trials, simulate_walk
 from pdr_est.simulate.people.population import sample_population
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.recording import Recording
 
@@ -51,6 +52,16 @@ class Walk:
             recording = _with_stated_truth(suite.prepare(read(self.source.path)), self.source.truth)
             return _with_stated_truth(recording, suite.truth_beside(self.source.path))
         return _with_sparse_truth(simulate_walk(self.source).recording, self.truth_every_s)
+
+    def floor_plan(self, suite: Suite) -> FloorPlan | None:
+        """Read the floor plan of the walk; None where there is none beside the recording.
+
+        Raises
+        ------
+        FloorPlanError
+            If it cannot be used.
+        """
+        return suite.plan_beside(self.source.path) if isinstance(self.source, WalkFile) else None
 
     def walker_height_m(self, suite: Suite) -> float | None:
         """Read the height of the walker, m; None where it is not known beside the recording.

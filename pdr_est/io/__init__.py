@@ -4,6 +4,7 @@
 subpackage   content
 ===========  ===========================================================================================
 formats      recorder apps and data sets: one module or folder a format, and the registry that finds it
+floor_plans  plans of floors: GeoJSON, the competition's maps, pictures
 side_tables  tables beside a recording: position fixes, clock messages, known distances, ground truth
 text         from paths to bytes and from text tables to arrays
 conversion   units, signs, axes, and latitude and longitude in the project's conventions

@@ -11,17 +11,13 @@ from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.estimation import chosen_estimator, run_estimator, with_findings, with_height, with_person
 from pdr_est.pipeline.front_end_chain import analyse_device, north_of
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
-from pdr_est.pipeline.measurements import (
-    measurements_of,
-    refuse_without_heading,
-    tethers_of,
-    with_map_directions,
-    without_partial_north,
-)
+from pdr_est.pipeline.map_directions import along_map_directions, needs_whole_walk, with_plan_directions
+from pdr_est.pipeline.measurements import measurements_of, refuse_without_heading, tethers_of, without_partial_north
 from pdr_est.pipeline.other_devices import with_turns_of_others
 from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
 from pdr_est.preprocessing.gravity_stand_in import ready_for_steps
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
@@ -30,25 +26,28 @@ __all__ = ["DeviceWalk", "SmoothedWalk", "analyse_recording", "estimate_tracks",
 
 
 def smooth_recording(
-    recording: Recording, config: Config, fixes: Sequence[PositionFix] = (), parts: Parts = NO_PARTS
+    recording: Recording,
+    config: Config,
+    fixes: Sequence[PositionFix] = (),
+    parts: Parts = NO_PARTS,
+    plan: FloorPlan | None = None,
 ) -> SmoothedWalk:
     """Estimate the track of a recorded walk, and keep what a report needs.
 
     Raises
     ------
-    RecordingError
-        For a recording or fixes that cannot be used.
+    RecordingError, FloorPlanError
+        For a recording, fixes or a plan that cannot be used.
     ConfigError, EstimationError
         As `analyse_recording` and `estimate_tracks`.
     """
-    refuse_wrong_types(recording, config)
-    refuse_unusable_inputs(recording, fixes)
+    refuse_unusable_inputs(recording, config, fixes, plan)
     estimator = chosen_estimator(config, parts)
+    config = with_plan_directions(config, plan, estimator.spec)
     started = time.process_time()
-    by_the_end = estimator.spec.smooths or config.heading.dominant.direction_rad is not None
-    devices = analyse_recording(recording, config, parts, by_the_end)
+    devices = analyse_recording(recording, config, parts, needs_whole_walk(config, estimator.spec))
     analysed = time.process_time()
-    track = estimate_tracks(devices, config, fixes, parts)
+    track = estimate_tracks(devices, config, fixes, parts, plan)
     estimated = time.process_time()
     return SmoothedWalk(
         track=track,
@@ -57,10 +56,11 @@ def smooth_recording(
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
         warnings=(
             *warnings_of(recording, devices),
-            *mismatches(devices, config, estimator.spec, fixes),
+            *mismatches(devices, config, estimator.spec, fixes, plan),
             *doubts(track.findings),
         ),
         fixes_used=estimator.spec.uses_fixes,
+        plan=plan,
     )
 
 
@@ -86,7 +86,11 @@ def analyse_recording(
 
 
 def estimate_tracks(
-    walks: Sequence[DeviceWalk], config: Config, fixes: Sequence[PositionFix] = (), parts: Parts = NO_PARTS
+    walks: Sequence[DeviceWalk],
+    config: Config,
+    fixes: Sequence[PositionFix] = (),
+    parts: Parts = NO_PARTS,
+    plan: FloorPlan | None = None,
 ) -> Track:
     """Estimate the track of every device from its measurements, and of several devices the track of the person.
 
@@ -97,14 +101,10 @@ def estimate_tracks(
     """
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts)
-    devices = without_partial_north([measurements_of(walk, config, fixes, estimator.spec) for walk in walks])
-    devices = with_turns_of_others(devices)
+    given = [measurements_of(walk, config, fixes, estimator.spec, plan) for walk in walks]
+    devices = with_turns_of_others(without_partial_north(given))
     tethers = tethers_of(walks, config, estimator.spec)
-    track = run_estimator(devices, tethers, estimator, config)
-    direction_rad, tied = config.heading.dominant.direction_rad, devices
-    if direction_rad is not None:
-        pairs = zip(devices, walks, strict=True)
-        tied = [with_map_directions(one, walk, track, direction_rad) for one, walk in pairs]
-        track = run_estimator(tied, tethers, estimator, config)
+    tied = along_map_directions(devices, walks, tethers, estimator, config)
+    track = run_estimator(tied, tethers, estimator, config)
     track = with_height(with_findings(track, walks, devices, tethers, estimator, config), walks)
     return with_unknown_direction(with_person(track, config), tied, config.start.pose())

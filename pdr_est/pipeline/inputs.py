@@ -4,13 +4,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pdr_est.config import Config
-from pdr_est.errors import ConfigError, RecordingError
+from pdr_est.errors import ConfigError, FloorPlanError, RecordingError
 from pdr_est.io.side_tables.position_fixes import require_fix_inside
 from pdr_est.params.validation_messages import brief
 from pdr_est.preprocessing.quality.requirements import require_track_sensors
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
+
+_FARTHEST_SIGMAS = 4.0  # of start and drawing that a start may lie off the floor: one in thousands is farther
 
 
 def refuse_no_config(config: Any) -> None:
@@ -38,14 +43,25 @@ def refuse_wrong_types(recording: Any, config: Any) -> None:
         raise RecordingError(f"recording = {brief(recording)}: is no recording: {remedy}")
 
 
-def refuse_unusable_inputs(recording: Recording, fixes: Any) -> None:
-    """Raise RecordingError for a device without a sensor that a track needs, and for fixes that cannot be used.
+def refuse_unusable_inputs(recording: Recording, config: Config, fixes: Any, plan: Any) -> None:
+    """Refuse what no track can be made from.
 
-    Fixes must be `PositionFix`, and within the time of the recording.
+    Raises
+    ------
+    ConfigError
+        For something that is no configuration.
+    RecordingError
+        For something that is no recording, for a device without a sensor that a track needs, and for fixes that are
+        no `PositionFix` or outside the time of the recording.
+    FloorPlanError
+        For something that is no plan, and for a start outside of its walkable area.
     """
+    refuse_wrong_types(recording, config)
     for device in recording.devices:
         require_track_sensors(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
     _refuse_unusable_fixes(fixes, recording)
+    if plan is not None:
+        _refuse_unusable_plan(plan, config)
 
 
 def _refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
@@ -61,3 +77,23 @@ def _refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
             )
         if id(fix) not in recorded:
             require_fix_inside(fix.time_s, f"fixes[{number}]", recording)
+
+
+def _refuse_unusable_plan(plan: Any, config: Config) -> None:
+    """Raise FloorPlanError for something that is no plan, and for a start that lies off its walkable area."""
+    if not isinstance(plan, FloorPlan):
+        raise FloorPlanError(f"plan = {brief(plan)}: is no FloorPlan: read it first: pdr_est.read_floor_plan(path)")
+    if not plan.areas:
+        raise FloorPlanError(f"plan {plan.name}: has no walkable area: give it one, or leave the plan out")
+    start = config.start.pose()
+    if start.position_m is None:
+        return
+    off_m = float(plan.distance_outside_m(np.array([start.position_m]))[0])
+    if off_m > _FARTHEST_SIGMAS * np.hypot(start.sigma_position_m, plan.sigma_m):
+        x, y = start.position_m
+        west, south, east, north = plan.bounds_m
+        raise FloorPlanError(
+            f"start ({x:g}, {y:g}) m lies {off_m:.1f} m outside of the walkable area of the plan {plan.name}, which "
+            f"reaches from ({west:.1f}, {south:.1f}) to ({east:.1f}, {north:.1f}) m: correct the start, choose "
+            "another floor, or state a larger start.sigma_position_m"
+        )

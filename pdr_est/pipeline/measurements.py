@@ -7,9 +7,9 @@ from pdr_est.config import Config
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import EstimatorSpec
 from pdr_est.estimators.common.fix_noise import fixes_with_noise
-from pdr_est.estimators.common.map_directions import resolve_relative_priors
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.types.analysis import DeviceWalk
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
@@ -18,7 +18,6 @@ from pdr_est.types.measurements import (
     Measurement,
     PositionFix,
 )
-from pdr_est.types.track import Track
 
 
 def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
@@ -32,17 +31,18 @@ def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
 
 
 def measurements_of(
-    walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], spec: EstimatorSpec
+    walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], spec: EstimatorSpec, plan: FloorPlan | None = None
 ) -> DeviceMeasurements:
     """Collect the measurements of a device.
 
     A smoother gets the headings that are known only at the end of the walk, a filter those that were known at the
-    step. The fixes get the noise of their source.
+    step. The fixes get the noise of their source. A floor plan is for estimators that make use of it.
     """
     odometry = walk.whole_walk_odometry if spec.smooths else walk.odometry
     closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
+    plans = [plan] if plan is not None and spec.uses_plan else []
     return DeviceMeasurements(
-        walk.device, walk.start_s, (*odometry, *closure, *fixes_with_noise(fixes, config.fixes))
+        walk.device, walk.start_s, (*odometry, *closure, *fixes_with_noise(fixes, config.fixes), *plans)
     )
 
 
@@ -66,26 +66,3 @@ def tethers_of(walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec)
         return []
     spans_s = {walk.device: walk.walking_span_s for walk in walks}
     return tethers_between(spans_s, config.devices.tether, at_end=spec.smooths)
-
-
-def with_map_directions(
-    known: DeviceMeasurements, walk: DeviceWalk, track: Track, direction_rad: float
-) -> DeviceMeasurements:
-    """Tie the dominant directions that a walk shows to one that is known in the map.
-
-    Parameters
-    ----------
-    known
-        Measurements of the device.
-    walk
-        Its analysis, with the dominant directions.
-    track
-        Track from the same measurements without that knowledge.
-    direction_rad
-        One of the directions in the map, rad, counter-clockwise from east.
-    """
-    if walk.directions is None:
-        return known
-    own = track.of_device(walk.device)
-    tied = resolve_relative_priors(known.measurements, own, direction_rad, walk.directions.spacing_rad)
-    return replace(known, measurements=tuple(tied))

@@ -9,6 +9,7 @@ from pdr_est.front_end.heading import IN_POCKETS
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.findings import Finding
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import Gap
@@ -32,7 +33,11 @@ def warnings_of(recording: Recording, walks: Sequence[DeviceWalk]) -> tuple[str,
 
 
 def mismatches(
-    walks: Sequence[DeviceWalk], config: Config, spec: EstimatorSpec, fixes: Sequence[PositionFix] = ()
+    walks: Sequence[DeviceWalk],
+    config: Config,
+    spec: EstimatorSpec,
+    fixes: Sequence[PositionFix] = (),
+    plan: FloorPlan | None = None,
 ) -> tuple[str, ...]:
     """Warn of choices that do not fit the walk or what is known of it. spec: of the estimator."""
     found = []
@@ -41,6 +46,11 @@ def mismatches(
         known = start.position_m is not None and start.heading_rad is not None
         use = "makes no use of the position fixes" if known else "only aligns the track with the position fixes"
         found.append(f"{name} {use}: choose the estimator factor-graph or ekf for a track that follows them")
+    if plan is not None:
+        found += [f"plan {plan.name}: {note}" for note in plan.notes]
+        if not spec.uses_plan:
+            takes = "only the directions of the walls from" if spec.smooths else "nothing from"
+            found.append(f"{name} takes {takes} the floor plan: choose an estimator whose track stays on the floor")
     if config.heading.method in IN_POCKETS:
         found += [words for walk in walks for words in _outside_pockets(walk, config.heading.method)]
     return tuple(found)

@@ -7,6 +7,7 @@ from typing import overload
 from pdr_est.frames import Array
 from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.findings import Finding
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import Gap, LevelBlock
@@ -191,6 +192,8 @@ class SmoothedWalk:
         Doubts about recording, walk and settings, in words, and the doubtful ones of the findings of the track.
     fixes_used
         False for an estimator that only aligns the track with the fixes.
+    plan
+        Floor plan of the walk; None where none was given.
     """
 
     track: Track
@@ -199,3 +202,4 @@ class SmoothedWalk:
     timings_s: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     fixes_used: bool = True
+    plan: FloorPlan | None = None

@@ -1,8 +1,15 @@
 """The plan of a floor: where one can walk, and which walls stand in between, in the map frame."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
-from pdr_est.frames import Array
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array, GeoOrigin
+
+_MOST_CELLS = 4_000_000  # numbers in one temporary array, 32 MB
 
 
 @dataclass(frozen=True)
@@ -37,6 +44,10 @@ class FloorPlan:
         Standard deviation of the drawing: how far a wall may stand from where it is drawn, m.
     floor
         Name of the floor, such as "F2"; empty if there is only one.
+    origin
+        Place of the map frame on the Earth; None for a plan in local metres.
+    notes
+        Remarks of the reader.
     """
 
     name: str
@@ -44,3 +55,93 @@ class FloorPlan:
     walls_m: Array
     sigma_m: float
     floor: str = ""
+    origin: GeoOrigin | None = None
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def borders_m(self) -> Array:
+        """All edges of outlines and holes: begin and end of each (n, 2, 2), east and north, m."""
+        rings = [_edges(ring) for ring in self._rings()]
+        return np.concatenate(rings) if rings else np.empty((0, 2, 2))
+
+    @cached_property
+    def barriers_m(self) -> Array:
+        """Everything that no step crosses, borders and further walls: (n, 2, 2), east and north, m."""
+        return np.concatenate([self.borders_m, np.reshape(self.walls_m, (-1, 2, 2))])
+
+    @cached_property
+    def bounds_m(self) -> tuple[float, float, float, float]:
+        """West, south, east and north end of the walkable area, m."""
+        low, high = self.borders_m.min(axis=(0, 1)), self.borders_m.max(axis=(0, 1))
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+    @cached_property
+    def area_m2(self) -> float:
+        """Size of the walkable area, m²."""
+        return sum(
+            _ring_area_m2(area.outline_m) - sum(_ring_area_m2(hole) for hole in area.holes_m) for area in self.areas
+        )
+
+    def contains(self, position_m: Array) -> NDArray[np.bool_]:
+        """Tell which positions lie on the walkable area.
+
+        Parameters
+        ----------
+        position_m
+            (n, 2) east and north, m.
+
+        Returns
+        -------
+        Array
+            (n,) True where a position is inside of an outline and in none of its holes.
+        """
+        # From inside, a ray to the east crosses the borders an odd number of times, as areas do not overlap.
+        begin, end = self.borders_m[:, 0], self.borders_m[:, 1]
+        rise_m = end[:, 1] - begin[:, 1]
+        slope = (end[:, 0] - begin[:, 0]) / np.where(rise_m == 0.0, 1.0, rise_m)
+        inside = np.zeros(len(position_m), dtype=bool)
+        for part in _parts(len(position_m), len(begin)):
+            x, y = position_m[part, :1], position_m[part, 1:]
+            spans = (begin[:, 1] > y) != (end[:, 1] > y)
+            crosses = spans & (x < begin[:, 0] + (y - begin[:, 1]) * slope)
+            inside[part] = np.count_nonzero(crosses, axis=1) % 2 == 1
+        return inside
+
+    def distance_outside_m(self, position_m: Array) -> Array:
+        """Compute how far positions (n, 2), m, are from the walkable area (n,), m; 0 on it."""
+        outside = np.flatnonzero(~self.contains(position_m))
+        distance_m = np.zeros(len(position_m))
+        for part in _parts(len(outside), len(self.borders_m)):
+            distance_m[outside[part]] = _nearest_edge_m(position_m[outside[part]], self.borders_m)
+        return distance_m
+
+    def _rings(self) -> Iterator[Array]:
+        for area in self.areas:
+            yield area.outline_m
+            yield from area.holes_m
+
+
+def _edges(ring_m: Array) -> Array:
+    return np.stack([ring_m, np.roll(ring_m, -1, axis=0)], axis=1)
+
+
+def _ring_area_m2(ring_m: Array) -> float:
+    x, y = (ring_m - ring_m[0]).T
+    return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0)
+
+
+def _parts(rows: int, columns: int) -> Iterator[slice]:
+    """Divide rows so that a temporary array with so many columns stays small."""
+    step = max(_MOST_CELLS // max(columns, 1), 1)
+    yield from (slice(begin, begin + step) for begin in range(0, rows, step))
+
+
+def _nearest_edge_m(position_m: Array, edges_m: Array) -> Array:
+    """Compute the distance (n,) of positions (n, 2) to the nearest of edges (k, 2, 2), m."""
+    along = edges_m[:, 1] - edges_m[:, 0]
+    squared_m2 = np.maximum((along**2).sum(axis=1), 1e-12)
+    from_begin = position_m[:, None] - edges_m[None, :, 0]
+    share = np.clip((from_begin * along).sum(axis=2) / squared_m2, 0.0, 1.0)
+    offset = from_begin - share[..., None] * along
+    nearest: Array = np.sqrt((offset**2).sum(axis=2).min(axis=1))
+    return nearest

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pdr_est.frames import Array
+from pdr_est.frames import GeoOrigin as GeoOrigin
 from pdr_est.types.array_checks import checked_times, checked_values
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix
@@ -155,20 +156,6 @@ class ClockMessages:
     t1_s: Array
     t2_s: Array
     t3_s: Array
-
-
-@dataclass(frozen=True)
-class GeoOrigin:
-    """Origin of the map frame on the WGS 84 ellipsoid.
-
-    Attributes
-    ----------
-    latitude_deg, longitude_deg
-        Geodetic coordinates, degrees.
-    """
-
-    latitude_deg: float
-    longitude_deg: float
 
 
 @dataclass(frozen=True)

@@ -61,8 +61,8 @@ def test_what_must_be_given(good: Path) -> None:
     assert refused("smooth") == "Missing argument 'RECORDING…'; see pdr-est smooth --help"
     assert refused("smoth", good) == "No such command 'smoth': did you mean smooth?; see pdr-est --help"
     assert (
-        "there are inspect, steps, smooth, track, calibrate, convert, benchmark, experiment, compare, evaluate, "
-        "config, train-gait, demo" in refused("xyz")
+        "there are inspect, steps, smooth, track, live, calibrate, convert, benchmark, experiment, compare, "
+        "evaluate, plan, config, train-gait, demo" in refused("xyz")
     )
 
 

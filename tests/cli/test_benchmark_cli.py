@@ -19,10 +19,15 @@ METRICS = {
     *("error_open_m", "final_drift", "ate_rigid_m", "length_ratio", "error_heldout_m", "coverage95", "nees_mean"),
     *("leg_length_mae_m", "leg_vector_mae_m", "leg_turn_mae_m"),
     *("error_start_m", "heading_start_error_deg", "coverage95_start"),
+    *("error_plan_m", "coverage95_plan", "outside_plan", "error_heldout_plan_m", "coverage95_heldout_plan"),
     "mode_accuracy",
     *("ate_rigid_profile_m", "length_ratio_profile", "scale_coverage68_profile"),
 }
 NO_NORTH = "error_start_m, heading_start_error_deg, coverage95_start: no device of the walk knows north"
+NO_PLAN = (
+    "error_plan_m, coverage95_plan, outside_plan, error_heldout_plan_m, coverage95_heldout_plan: no floor plan "
+    "beside the recording"
+)
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +73,9 @@ def test_json_document(data: Path, tmp_path: Path) -> None:
     assert {(row["track"], row["mode"]) for row in rows} == {("device", "HOLDING")}
     assert all(row["ate_rigid_m"] < 1.5 for row in rows)
     assert (rows[1]["error_heldout_m"], rows[1]["coverage95"]) == (None, None)
-    reasons = {walk["walk"]: walk["reason"] for walk in document["skipped"] if walk["reason"] != NO_NORTH}
+    reasons = {
+        walk["walk"]: walk["reason"] for walk in document["skipped"] if walk["reason"] not in (NO_NORTH, NO_PLAN)
+    }
     assert "fewer than 5 truth points" in reasons["site1/F1/b"]
     assert "no true positions" in reasons["site1/F1/c"]
     assert "unknown format" in reasons["site1/F1/d"]
@@ -128,7 +135,7 @@ def test_one_estimator_and_a_limit(data: Path, tmp_path: Path) -> None:
     alone = (
         "ate_rigid_profile_m, length_ratio_profile, scale_coverage68_profile: no other walk of site1 to learn from"
     )
-    assert document["skipped"] == [{"walk": "site1/F1/a", "reason": reason} for reason in (NO_NORTH, alone)]
+    assert document["skipped"] == [{"walk": "site1/F1/a", "reason": reason} for reason in (NO_NORTH, NO_PLAN, alone)]
 
 
 def test_a_configuration_changes_the_numbers(data: Path, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.experiment import SUITES, comparison_on_axis, run_benchmark
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.runners.score_variants import missing_reasons
+from pdr_est.experiment.scoring.known_plan import PLAN_METRICS
 from pdr_est.experiment.scoring.known_start import START_METRICS
 from pdr_est.experiment.scoring.profiles import PROFILE_METRICS
 from pdr_est.experiment.suite import TrackScores
@@ -50,7 +51,10 @@ def test_suite_runs_from_files_to_a_document_of_the_agreed_shape(data):
     assert [(walk["walk"], walk["estimator"]) for walk in document["walks"]] == [
         (walk, estimator) for walk in ("site1/F1/one", "site1/F1/two") for estimator in ALL.names
     ]
-    assert document["skipped"] == []
+    assert document["skipped"] == [
+        {"walk": f"site1/F1/{walk}", "reason": f"{', '.join(PLAN_METRICS)}: no floor plan beside the recording"}
+        for walk in ("one", "two")
+    ]
     for walk in document["walks"]:
         assert (walk["track"], walk["mode"], walk["mode_accuracy"]) == ("device", "HOLDING", 1.0)
         assert walk["truth_points_not_scored"] == 0
@@ -91,8 +95,7 @@ def test_a_walk_that_cannot_be_read_is_skipped_with_its_reason(data):
     whole = (data / "ilc20/site1/F1/two.txt.gz").read_bytes()
     (data / "ilc20/site1/F1/three.txt.gz").write_bytes(whole[: len(whole) // 2])
     result = run_benchmark("ilc20", data, EKF)
-    (skipped,) = result.failures
-    assert skipped.walk == "site1/F1/three"
+    (skipped,) = [failure for failure in result.failures if failure.walk == "site1/F1/three"]
     assert "truncated gzip" in skipped.reason
     assert [row.walk for row in result.rows] == ["site1/F1/one", "site1/F1/two"]
 
@@ -115,6 +118,7 @@ def test_few_points_cost_the_heldout_metrics_only_and_the_reason_is_given_once(d
     assert document["summary"]["error_heldout_m"]["n"] == 0
     assert document["skipped"] == [
         {"walk": "site1/F1/one", "reason": "error_heldout_m, coverage95, nees_mean: fewer than 5 truth points"},
+        {"walk": "site1/F1/one", "reason": f"{', '.join(PLAN_METRICS)}: no floor plan beside the recording"},
         {"walk": "site1/F1/one", "reason": f"{', '.join(PROFILE_METRICS)}: no other walk of site1 to learn from"},
     ]
 
@@ -129,6 +133,7 @@ def test_a_recording_without_steps_is_scored_by_its_errors(data, write_ilc20):
     assert document["skipped"] == [
         {"walk": "site1/F1/one", "reason": "leg_turn_mae_m: no leg long enough for the turn of the next one"},
         {"walk": "site1/F1/one", "reason": f"{', '.join(START_METRICS)}: no device of the walk knows north"},
+        {"walk": "site1/F1/one", "reason": f"{', '.join(PLAN_METRICS)}: no floor plan beside the recording"},
         {"walk": "site1/F1/one", "reason": "mode_accuracy: no step found"},
     ]
 

@@ -23,6 +23,13 @@ from pdr_est.module_loading import loading_modules
 @click.option("-o", "--output", type=OUTPUT, required=True, metavar="OUT", help="Folder for the results.")
 @fixes_option
 @click.option(
+    "--plan",
+    type=PATH,
+    metavar="FILE",
+    help="Floor plan: GeoJSON in degrees or local metres, or a floor of the Indoor Location Competition 2.0.",
+)
+@click.option("--floor", metavar="NAME", help="Floor of a plan that shows several.")
+@click.option(
     "--truth",
     type=PATH,
     metavar="FILE",

@@ -8,7 +8,7 @@ import click
 
 from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.clock_options import apply_clock_options
-from pdr_est.cli.fix_options import fix_tables
+from pdr_est.cli.fix_options import PlanChoice, fix_tables
 from pdr_est.cli.many_walks import (
     SUMMARY,
     print_summary,
@@ -35,6 +35,8 @@ def smooth_walks(
     recordings: tuple[Path, ...],
     output: Path,
     fixes: str | None,
+    plan: Path | None,
+    floor: str | None,
     truth: Path | None,
     begin: Moment | None,
     end: Moment | None,
@@ -66,7 +68,10 @@ def smooth_walks(
     many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping, devices)
     with_report = not many if report is None else report
     below = None if background is None else read_background(background)
-    request = SmoothRequest(config, fixes, part, messages, own, overwrite, inputs, with_report, truth, formats, below)
+    chosen = PlanChoice.of_options(plan, floor)
+    request = SmoothRequest(
+        config, fixes, part, messages, own, overwrite, inputs, with_report, truth, formats, below, chosen
+    )
     if many:
         _smooth_many(paths, output, request, jobs, quiet)
         return

@@ -10,7 +10,13 @@ from pdr_est.calibration.profile import LearntWalk, apply_profile
 from pdr_est.calibration.step_length_fit import NotLearnt
 from pdr_est.cli.clock_options import apply_clock_messages
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import load_fixes, without_used_truth
+from pdr_est.cli.fix_options import (
+    NO_FLOOR_PLAN,
+    PlanChoice,
+    load_fixes,
+    placed_by_plan,
+    without_used_truth,
+)
 from pdr_est.cli.many_walks import Done
 from pdr_est.cli.profile_options import NO_PROFILE, WalkersProfile
 from pdr_est.cli.progress import ProgressBar, progress_bar
@@ -58,6 +64,8 @@ class SmoothRequest:
         Formats of the track for other programs; None for the default.
     background : Background or None
         What lies below the track on the map of the report.
+    plan : PlanChoice
+        Floor plan of the walk.
     """
 
     config: Config
@@ -71,6 +79,7 @@ class SmoothRequest:
     truth: Path | None = None
     formats: tuple[str, ...] | None = None
     background: "Background | None" = None
+    plan: PlanChoice = NO_FLOOR_PLAN
 
 
 @dataclass(frozen=True)
@@ -157,6 +166,8 @@ def _smooth_into(
     part, own, config = request.part, request.own, request.config
     surveyed = None if request.truth is None else read_trajectory(request.truth)  # before the long work
     whole = apply_clock_messages(part.read(paths), request.messages)
+    plan = request.plan.load(whole)
+    whole = placed_by_plan(whole, plan)
     known = load_fixes(request.fixes, whole, paths[0])
     prior = own.prior_of(whole, known)
     config = config if prior is None else apply_profile(config, prior)
@@ -167,10 +178,11 @@ def _smooth_into(
             recorded = with_surveyed_truth(recorded, surveyed)
         require_possible_formats(request.formats, recorded)
         known = known if part.is_all else fixes_within(known, recorded)
-        walk = pipeline.smooth_recording(recorded, config, known)
+        walk = pipeline.smooth_recording(recorded, config, known, plan=plan)
         learnt = own.learnt_from(whole, recorded, walk.devices, config, known)
     bar.start_part("writing")
     digests = {name: digest for path in paths for name, digest in _digests(path, len(paths) > 1).items()}
+    digests |= request.plan.digests()
     digests |= {} if request.truth is None else {str(request.truth): file_digests(request.truth)[request.truth.name]}
     summary = write_results(
         folder,

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError, RecordingError
-from pdr_est.experiment.analysed_walk import AnalysedWalk
+from pdr_est.experiment.analysed_walk import NO_PLAN, AnalysedWalk
 from pdr_est.experiment.held_out import HeldOutProtocol
 from pdr_est.experiment.scoring.foreign_tracks import foreign_walk, score_foreign
 from pdr_est.experiment.suite import Suite, TrackScores
 from pdr_est.experiment.variants.axes import Variant, same_front_end
 from pdr_est.pipeline import DeviceWalk
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.recording import Recording
 
 
@@ -40,12 +41,16 @@ class ScoredVariant:
 
 
 def score_variants(
-    suite: Suite, recording: Recording, variants: Sequence[Variant], protocol: HeldOutProtocol
+    suite: Suite,
+    recording: Recording,
+    variants: Sequence[Variant],
+    protocol: HeldOutProtocol,
+    plan: FloorPlan | str = NO_PLAN,
 ) -> Iterator[ScoredVariant]:
     """Analyse, estimate and score a recording with one variant after the other.
 
     If only one of several front ends cannot use the recording (a heading by a magnetometer that does not exist), or
-    an estimator fails, that is a reason in the result.
+    an estimator fails, that is a reason in the result. plan: floor plan of the walk, or the reason why there is none.
 
     Raises
     ------
@@ -61,7 +66,7 @@ def score_variants(
             yield ScoredVariant(variant, walk, (), (f"{variant.name}: {devices}",))
             continue
         learns = suite.profile_group is not None
-        walk = AnalysedWalk(recording, devices, variant.config, seconds, protocol, learns)
+        walk = AnalysedWalk(recording, devices, variant.config, seconds, protocol, learns, plan)
         try:
             scores = suite.score(walk)
         except EstimationError as error:

@@ -7,16 +7,19 @@ from dataclasses import dataclass, replace
 from threadpoolctl import threadpool_limits
 
 from pdr_est.config import import_folders
-from pdr_est.errors import ConfigError, PdrError
+from pdr_est.errors import ConfigError, FloorPlanError, PdrError
+from pdr_est.experiment.analysed_walk import NO_PLAN
 from pdr_est.experiment.held_out import HeldOutProtocol
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.results.walk_result import Failure, WalkResult
 from pdr_est.experiment.runners.score_variants import score_variants
 from pdr_est.experiment.runners.track_outcome import track_outcomes
+from pdr_est.experiment.scoring.known_plan import PLAN_METRICS
 from pdr_est.experiment.suite import CalibrationCase, Suite
 from pdr_est.experiment.variants.axes import Variant, same_front_end
 from pdr_est.experiment.walks import Walk
 from pdr_est.parts import importable
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.outcome import TrackOutcome
 
 
@@ -97,7 +100,7 @@ def _score(job: ScoringJob, walk: Walk) -> WalkResult:
     seconds: dict[str, float] = {}
     protocol = replace(job.protocol, walk=walk.name)
     variants = _for_walker(job.variants, walk.walker_height_m(job.suite))
-    for scored in score_variants(job.suite, walk.recording(job.suite), variants, protocol):
+    for scored in score_variants(job.suite, walk.recording(job.suite), variants, protocol, _plan(job, walk)):
         tracks += track_outcomes(scored, walk.name, walk.labels, job.suite.metrics)
         cases += [of_track.calibration for of_track in scored.scores]
         reasons += scored.reasons
@@ -105,6 +108,16 @@ def _score(job: ScoringJob, walk: Walk) -> WalkResult:
     # A reason that depends neither on the variant nor on the track is given once.
     failures = tuple(Failure(walk.name, reason, whole=not tracks) for reason in dict.fromkeys(reasons))
     return WalkResult(walk.name, tuple(tracks), failures, seconds, calibration_cases=tuple(cases))
+
+
+def _plan(job: ScoringJob, walk: Walk) -> FloorPlan | str:
+    """Read the floor plan of a walk; return the reason why there is none if it cannot be used."""
+    if not set(PLAN_METRICS) & set(job.suite.metrics):
+        return NO_PLAN
+    try:
+        return walk.floor_plan(job.suite) or NO_PLAN
+    except FloorPlanError as error:
+        return str(error)
 
 
 def _for_walker(variants: Sequence[Variant], height_m: float | None) -> Sequence[Variant]:

@@ -15,6 +15,7 @@ from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.report.background.placement import MapPlacement, from_degrees, metres_per_degree
 from pdr_est.report.packed_columns import pack_column
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.recording import GeoOrigin
 
 Json = dict[str, Any]
@@ -114,6 +115,12 @@ class LineBackground:
         points = np.concatenate([part for line in lines for part in (line, gap)]) - placement.in_metres()
         packed = {name: pack_column(points[:, axis], LINE_STEP_M) for axis, name in enumerate(("x_m", "y_m"))}
         return {"kind": "lines", "points": packed}
+
+
+def plan_background(plan: FloorPlan) -> LineBackground:
+    """Return the borders and walls of a floor plan as lines."""
+    rings = [ring for area in plan.areas for ring in (area.outline_m, *area.holes_m)]
+    return LineBackground((*(np.vstack([ring, ring[:1]]) for ring in rings), *plan.walls_m))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,9 @@ from pdr_est.evaluate.consistency import CHI2_95_2D, radius95_m
 from pdr_est.frames import Array
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.finding_marks import draw_findings
+from pdr_est.report.plots.floor_plan import draw_floor_plan
 from pdr_est.report.plots.track_line import draw_device_line, draw_mode_bands, draw_mode_line
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.track import Track
 
@@ -47,7 +49,11 @@ class MapWindow:
 
 
 def plot_track(
-    track: Track, fixes: tuple[PositionFix, ...] = (), truth_m: Array | None = None, in_map_frame: bool = True
+    track: Track,
+    fixes: tuple[PositionFix, ...] = (),
+    truth_m: Array | None = None,
+    in_map_frame: bool = True,
+    plan: FloorPlan | None = None,
 ) -> Figure:
     """Draw the track of every device.
 
@@ -64,6 +70,8 @@ def plot_track(
         True positions (k, 2), m, in the same frame as the track.
     in_map_frame : bool
         Label the axes east and north; otherwise x and y.
+    plan : FloorPlan or None
+        Floor plan to draw below, as far as it reaches into the picture, in the same frame as the track.
     """
     tracks = [track.of_device(name) for name in track.devices]
     shown = [select_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
@@ -71,6 +79,8 @@ def plot_track(
     figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
     axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
     _set_window(axes, window)
+    if plan is not None:
+        draw_floor_plan(axes, plan)
     alone = len(tracks) == 1
     draw_findings(axes, track)
     for number, (one, chosen) in enumerate(zip(tracks, shown, strict=True)):
@@ -84,7 +94,7 @@ def plot_track(
     for number, one in enumerate(tracks):
         _ends(axes, one, svg.INK if alone else svg.device_colour(number))
     svg.label_axes(axes, *(("east (m)", "north (m)") if in_map_frame else ("x (m)", "y (m)")))
-    _scale_bar(axes, window)
+    draw_scale_bar(axes, window)
     return figure
 
 
@@ -192,7 +202,7 @@ def _ends(axes: Axes, track: Track, colour: str) -> None:
         axes.plot(*end, "s", color=colour, markeredgecolor=svg.PAPER, markersize=6.0, markeredgewidth=0.8, zorder=5)
 
 
-def _scale_bar(axes: Axes, window: MapWindow) -> None:
+def draw_scale_bar(axes: Axes, window: MapWindow) -> None:
     """Draw a bar of round length below the axes, where it cannot hide anything."""
     length = svg.nice_step(window.width, 9)
     below = -0.44 / window.height_in

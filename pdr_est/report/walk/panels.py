@@ -54,7 +54,8 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool, no
     """Make the map; a track that is not in the map frame has the truth aligned with it."""
     track, truth = walk.track, recording.truth.positions
     truth_m = truth_points(track, truth, in_map_frame)
-    figure = plot_track(track, walk.fixes, truth_m, in_map_frame or north_up)
+    plan = walk.plan if in_map_frame else None
+    figure = plot_track(track, walk.fixes, truth_m, in_map_frame or north_up, plan)
     legend = _track_lines(track)
     legend += [LegendEntry("ellipse", "muted", "95 % region"), LegendEntry("start", "ink", "start")]
     if len(track) > len(track.devices):
@@ -63,6 +64,8 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool, no
         legend.append(LegendEntry("fix", "fix", "position fix"))
     if truth is not None and truth_m is not None:
         legend.append(LegendEntry("truth", "muted", f"truth ({truth.source})"))
+    if plan is not None:
+        legend.append(LegendEntry("shade", "muted", "walkable floor"))
     if marked_places(track):
         legend.append(LegendEntry("band", svg.css_name(svg.DOUBT), "does not fit"))
     caption = _track_caption(walk, truth_m is not None, in_map_frame, north_up)

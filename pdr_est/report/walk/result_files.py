@@ -17,7 +17,7 @@ from pdr_est.io.writers.steps_table import write_steps_csv
 from pdr_est.module_loading import loading_modules
 from pdr_est.output.atomic_output import write_text
 from pdr_est.pipeline import SmoothedWalk, estimate_tracks
-from pdr_est.report.background.kinds import Background
+from pdr_est.report.background.kinds import Background, plan_background
 from pdr_est.report.background.placement import MapPlacement, map_placement
 from pdr_est.report.plots.matplotlib_loading import loading_matplotlib
 from pdr_est.report.walk.earth_placement import EarthPlacement, place_on_earth
@@ -90,8 +90,13 @@ def write_results(
 def _map_extras(
     walk: SmoothedWalk, config: Config, background: Background | None, placement: MapPlacement
 ) -> tuple[MapExtras, list[str]]:
-    """Collect the further parts of the map; return also the reason if the background cannot be placed."""
+    """Collect the further parts of the map; return also the reason if the background cannot be placed.
+
+    Without a background of its own the map has the floor plan of the walk.
+    """
     variants = _variants(walk, config)
+    if background is None and walk.plan is not None:
+        background = plan_background(walk.plan)
     if background is None:
         return MapExtras(variants), []
     points_m = walk.track.position_m

@@ -19,9 +19,9 @@ from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
 from pdr_est.report.walk.descriptions import describe_directions, describe_frame, describe_length_scale
 from pdr_est.report.walk.mode_statistics import mode_statistics
+from pdr_est.report.walk.places import describe_height, describe_walk_on_plan
 from pdr_est.types.clock import utc_date
 from pdr_est.types.ground_truth import Truth
-from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import PositionFix, StartPose
 from pdr_est.types.recording import DeviceRecording, Recording
 from pdr_est.types.track import Track
@@ -94,8 +94,7 @@ def summarise(
         "gait_model_sha256": gait_model_sha256,
         "start": start,
         "clocks": [_clock(device.device, device.clock) for device in walk.devices if device.clock is not None],
-        "fixes": _fixes(walk.fixes, walk.fixes_used, start),
-        "height": _height(track.height),
+        **_known_places(walk, start),
         "gaps": [{"device": device.device} | asdict(gap) for device in walk.devices for gap in device.gaps],
         "errors_against_truth": errors,
         "timings_s": walk.timings_s,
@@ -132,16 +131,11 @@ def to_json(value: Any) -> Any:
     raise TypeError(f"summary: a {type(value).__name__} has no JSON form ({value!r}): convert it before")
 
 
-def _height(profile: HeightProfile | None) -> Json | None:
-    """Describe the floors that were visited, and how the walker changed them."""
-    if profile is None:
-        return None
+def _known_places(walk: SmoothedWalk, start: StartPose | None) -> Json:
     return {
-        "floors": sorted(set(profile.floor.tolist())),
-        "lowest_m": float(profile.height_m.min()),
-        "highest_m": float(profile.height_m.max()),
-        "floor_probability": float(profile.floor_probability.min()),
-        "moves": [asdict(move) | {"kind": move.kind.value} for move in profile.moves],
+        "fixes": _fixes(walk.fixes, walk.fixes_used, start),
+        "height": describe_height(walk.track.height),
+        "floor_plan": None if walk.plan is None else describe_walk_on_plan(walk, walk.plan),
     }
 
 

@@ -4,6 +4,7 @@
 * `later_standing`: the bias of the gyroscope by standing later in the walk.
 * `straight_legs`: the straight legs of the walk, in sections of a few steps.
 * `dominant_directions`: the most probable dominant directions, and the drift of the headings against them.
+* `wall_directions`: the directions of the walls on a floor plan.
 * `offset_evidence`: what these directions tell about such a turn.
 * `constant_rate`: candidates for the rate of the drift by a biased gyroscope.
 * `drift_model`: levels of that drift, and how much of it lies between two sections.

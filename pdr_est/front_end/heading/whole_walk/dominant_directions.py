@@ -55,8 +55,10 @@ class DominantParams:
     number: Annotated[int, Ge(1), Le(16)] | None = None
     """Given number of directions at equal angles; null estimates it, and whether there are any."""
     direction_rad: Annotated[float, Ge(-6.3), Le(6.3)] | None = None
-    """One of the directions in the map, rad, null where unknown; given, the directions hold from the first step on,
-    and without a number there are four.
+    """One of the directions in the map, rad, null where unknown; given without a number, there are four."""
+    certain: bool = True
+    """True if the walk follows the given directions from the first step on; false for directions of the building
+    that are known, such as those of the walls on a floor plan, while the walk shows whether it follows them.
     """
     least_log_odds: float = 0.5
     """Log odds of dominant directions that the headings are steady enough to tell, against all else, from which on
@@ -72,13 +74,18 @@ class DominantParams:
         """Return the given number of directions, None if it is to be estimated."""
         return 4 if self.number is None and self.direction_rad is not None else self.number
 
+    @property
+    def followed(self) -> bool:
+        """Tell whether directions are given that the walk certainly follows."""
+        return self.certain and self.given_number is not None
+
 
 def dominant_directions(sections: LegSections, parameters: DominantParams) -> DominantDirections | None:
     """Estimate the most probable dominant directions of a walk; None for one without straight legs."""
     if not len(sections):
         return None
     best = best_fit(sections, parameters)
-    used = parameters.given_number is not None or best.log_odds >= parameters.least_log_odds
+    used = parameters.followed or best.log_odds >= parameters.least_log_odds
     return _smooth(sections, best, bool(used))
 
 
@@ -171,7 +178,7 @@ def best_fit(sections: LegSections, parameters: DominantParams) -> BestFit:
     numbers = _NUMBER_PRIOR if given is None else {given: 1.0 - _PRIOR_OF_NONE}
     transitions = SectionTransitions.of(sections, parameters.turn_rad)
     found = {
-        number: _Compared(passes, numbers[number], any_level=given is not None)
+        number: _Compared(passes, numbers[number], any_level=parameters.followed)
         for number, passes in collapsed_evidences(
             sections, transitions, {number: _drifts(sections, number) for number in numbers}
         ).items()

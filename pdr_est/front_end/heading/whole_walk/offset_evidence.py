@@ -67,7 +67,7 @@ def offset_evidence(
         return {}
     best = best_fit(sections, parameters)
     number, fitted = best.number, best.fitted
-    building = 1.0 if parameters.given_number is not None else 1.0 / (1.0 + np.exp(-best.log_odds))
+    building = 1.0 if parameters.followed else 1.0 / (1.0 + np.exp(-best.log_odds))
     passes = [(building, fitted)]
     if parameters.given_number is None:
         halved = best_fit(sections, replace(parameters, number=2 * number)).fitted

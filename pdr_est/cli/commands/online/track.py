@@ -45,6 +45,6 @@ def track_command(**options: Any) -> None:
     filter is ekf; --estimator fixed-lag also prints delayed estimates.
     """
     with loading_modules():
-        from pdr_est.cli.work.track import track_walk
+        from pdr_est.cli.work.online.track import track_walk
 
     track_walk(**options)

@@ -15,7 +15,7 @@ from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.tracking_streams import follow_live, replay
 from pdr_est.cli.work.bounded_notes import bounded_lines
-from pdr_est.cli.work.track_files import OnlineTrackFiles
+from pdr_est.cli.work.online.track_files import OnlineTrackFiles
 from pdr_est.clock_sync import coverage_warnings, devices_started_late, require_overlap
 from pdr_est.config import Config
 from pdr_est.estimators import SPECS

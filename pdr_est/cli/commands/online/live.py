@@ -65,6 +65,6 @@ def live_command(**options: Any) -> None:
     button Stop ends the walk; then OUT/result has the smoothed walk, and Ctrl-C ends the server.
     """
     with loading_modules():
-        from pdr_est.cli.work.live import show_live
+        from pdr_est.cli.work.online.live import show_live
 
     show_live(**options)

@@ -1,0 +1,1 @@
+"""Commands that follow a walk while it is recorded."""

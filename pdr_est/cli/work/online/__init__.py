@@ -1,0 +1,1 @@
+"""Work of the commands that follow a walk while it is recorded."""

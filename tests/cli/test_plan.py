@@ -1,0 +1,99 @@
+"""`pdr-est plan`, and `smooth --plan`: what they write and print, and what they refuse."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli_runs import refused, run, smooth_refused, smoothed
+
+from pdr_est.io.floor_plans.reading import read_floor_plan
+
+pytest.importorskip("shapely")
+
+HALL = [[-5, -5], [20, -5], [20, 15], [-5, 15], [-5, -5]]
+BLOCK = [[5, 5], [10, 5], [10, 10], [5, 10], [5, 5]]
+
+
+def feature(ring: list[list[float]], **properties: str) -> dict[str, object]:
+    return {"type": "Feature", "properties": properties, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+
+
+def plan_file(folder: Path, *features: dict[str, object]) -> Path:
+    path = folder / "hall.geojson"
+    path.write_text(
+        json.dumps({"type": "FeatureCollection", "features": features or [feature(HALL), feature(BLOCK)]})
+    )
+    return path
+
+
+def test_a_plan_is_described(tmp_path: Path) -> None:
+    result = run("plan", plan_file(tmp_path), "--start", 7, 7)
+    assert result.exit_code == 0
+    lines = dict(line.split("  ", 1) for line in result.stdout.splitlines())
+    assert lines["size"].strip() == "25.0 x 20.0 m, x -5.0 to 20.0, y -5.0 to 15.0"
+    assert lines["walkable"].strip() == "475 m², 95 % of the box around it"
+    assert lines["position"].strip() == "(7, 7) lies 2.0 m off the walkable floor"
+    assert "0°, 90°, 180°, 270° counter-clockwise" in result.stdout
+
+
+def test_the_page_shows_plan_and_scale(tmp_path: Path) -> None:
+    result = run("plan", plan_file(tmp_path), "-o", tmp_path / "out", "--start", 0, 0)
+    assert result.stdout.endswith(f"-> {tmp_path / 'out' / 'plan.html'}\n")
+    page = (tmp_path / "out" / "plan.html").read_text(encoding="utf-8")
+    assert "<th>walkable</th><td>475 m², 95 % of the box around it</td>" in page
+    assert "5 m<" in page  # the bar of scale
+    assert "http:" not in page
+    again = read_floor_plan(tmp_path / "out" / "plan.geojson")
+    assert again.area_m2 == pytest.approx(475.0)
+    assert "contains the results of an earlier run" in refused("plan", plan_file(tmp_path), "-o", tmp_path / "out")
+
+
+def test_a_plan_is_made_of_a_picture(tmp_path: Path) -> None:
+    skimage_io = pytest.importorskip("skimage.io")
+    image = np.full((300, 400), 255, dtype=np.uint8)
+    image[48:253, 48:353] = 0
+    image[53:248, 53:348] = 255
+    skimage_io.imsave(tmp_path / "hall.png", image, check_contrast=False)
+    points = ("--point", 50, 250, 0, 0, "--point", 350, 50, 30, 20)
+    result = run("plan", tmp_path / "hall.png", *points, "-o", tmp_path / "out", "--floor", "F1", "-q")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert read_floor_plan(tmp_path / "out" / "plan.geojson", "F1").area_m2 == pytest.approx(29.5 * 19.5, rel=0.01)
+    assert "is a picture: make a plan of it first" in refused("plan", tmp_path / "hall.png")
+    assert "give two that are far apart" in refused("plan", tmp_path / "hall.png", *points[:5])
+    assert "are about pictures" in refused("plan", plan_file(tmp_path), "--darkness", 0.5)
+
+
+def test_a_walk_on_its_plan(good: Path, tmp_path: Path) -> None:
+    path = plan_file(tmp_path)
+    options = ("--start", 0, 0, "--heading", 0, "--plan", path)
+    result = smoothed(good, tmp_path / "out", *options)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["floor_plan"]["name"] == "hall"
+    assert summary["floor_plan"]["walkable_m2"] == pytest.approx(475.0)
+    assert summary["floor_plan"]["share_of_track_outside"] == 0.0
+    assert str(path) in {one["name"] for one in summary["inputs"]}
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "walkable floor" in page
+    assert '"kind": "lines"' in page.replace('"kind":"lines"', '"kind": "lines"')
+    assert "475 m² walkable; 0.0 % of the poses lie outside" in page
+    assert "factor-graph takes only the directions of the walls from the floor plan" in result.stderr
+
+
+def test_a_plan_in_degrees_gives_the_walk_its_place_on_the_earth(good: Path, tmp_path: Path) -> None:
+    degrees = [[11.5 + 1e-5 * x, 48.1 + 1e-5 * y] for x, y in HALL]
+    path = plan_file(tmp_path, feature(degrees))
+    smoothed(good, tmp_path / "out", "--start", 5, 8, "--heading", 0, "--plan", path)
+    track = json.loads((tmp_path / "out" / "track.geojson").read_text(encoding="utf-8"))
+    longitude, latitude = track["features"][0]["geometry"]["coordinates"][0]
+    assert (longitude, latitude) == pytest.approx((11.5 - 5e-5 + 6.7e-5, 48.1 - 5e-5 + 7.2e-5), abs=2e-6)
+
+
+def test_plans_that_do_not_fit_are_refused_in_one_line(good: Path, tmp_path: Path) -> None:
+    path = plan_file(tmp_path)
+    line = smooth_refused(good, tmp_path / "a", "--plan", path, "--start", 40, 0)
+    assert "start (40, 0) m lies 20.0 m outside of the walkable area of the plan hall" in line
+    assert "give --plan FILE, too" in smooth_refused(good, tmp_path / "b", "--floor", "F1")
+    assert "its floor has no name" in smooth_refused(good, tmp_path / "c", "--plan", path, "--floor", "F1")
+    crossing = plan_file(tmp_path, feature([[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]))
+    assert "crosses itself at (4.5, 4.5)" in smooth_refused(good, tmp_path / "d", "--plan", crossing)
