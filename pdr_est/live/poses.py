@@ -12,7 +12,9 @@ from pdr_est.types.steps import CarryingMode
 MODES = tuple(mode.name for mode in sorted(CarryingMode))
 """Names of the carrying modes by their number."""
 
-_MOST_KEPT = 4000  # of each device; then every second one of the older half is left out: a late page sees the same line
+_MOST_KEPT = (
+    4000  # of each device; then every second one of the older half is left out: a late page sees the same line
+)
 _MODE = 9  # place of the mode in a row without the device
 
 
