@@ -12,7 +12,8 @@ from pdr_est.types.steps import CarryingMode
 MODES = tuple(mode.name for mode in sorted(CarryingMode))
 """Names of the carrying modes by their number."""
 
-_MOST_KEPT = 10_000  # of each device: over an hour of walking; then every second one of the older half is left out
+# Of each device; beyond, every second one of the older half is left out, which a line on a map does not show.
+_MOST_KEPT = 4000
 _MODE = 9  # place of the mode in a row without the device
 
 

@@ -79,7 +79,7 @@ class LiveSession:
         self._notes: dict[str, None] = {}
         self._state = "walking"
         self._report: str | None = None
-        self._newest_s: float | None = None
+        self._replayed_s: float | None = None  # data time of a replay
         self.ended = threading.Event()
         self.before_end: list[Callable[[], None]] = []
         self._ending = False
@@ -96,10 +96,10 @@ class LiveSession:
         """Return the present time on the clock of the walk, s."""
         return time.monotonic() - self._zero_s
 
-    def data_time_s(self, ago_s: float) -> float:
-        """Return the time of the samples that were made some seconds ago, s."""
-        newest_s = self._newest_s
-        return (self.now_s if newest_s is None or self.recording is not None else newest_s) - ago_s
+    @property
+    def data_time_s(self) -> float:
+        """Return the time of samples that are made now, s: the present time, or the time in a replay."""
+        return self.now_s if self._replayed_s is None else self._replayed_s
 
     @property
     def latency_s(self) -> float:
@@ -158,10 +158,11 @@ class LiveSession:
                 if self.recording.size_bytes > self.limits.walk_bytes:
                     self.tell(f"the recording has reached {self.limits.walk_bytes >> 20} MiB: the walk has ended")
                     threading.Thread(target=self.stop).start()
-            phone.note(blocks, self.now_s)
+            newest_s = max(float(block.time_s[-1]) for block in blocks)
+            self._replayed_s = newest_s if phone.source == "replay" else None
+            phone.note(blocks, self.data_time_s)
         if self.waiting < self.limits.waiting_blocks:
-            self._newest_s = max(float(block.time_s[-1]) for block in blocks)
-            made_s = self.now_s if phone.source == "replay" else self._newest_s
+            made_s = self.now_s if phone.source == "replay" else newest_s
             self._tracking.put(LiveSamples(phone.name, blocks, made_s))
         else:
             self.tell("this computer is too slow to follow: samples are recorded, but the track here has gaps")
@@ -255,13 +256,12 @@ class LiveSession:
     def status(self) -> Message:
         """Describe phones, sensors and what is missing."""
         with self._lock:
-            now_s = self.now_s
+            now_s = self.data_time_s
             missing = [words for phone in self._phones.values() for words in phone.missing(now_s)]
             if not self._phones:
                 missing = ["no phone yet: open this page on a phone, or let an app send here"]
             return {
                 "type": "status",
-                "now_s": round(now_s, 2),
                 "latency_s": round(self.latency_s, 3),
                 "phones": [phone.as_json(now_s, self._history.steps(phone.name)) for phone in self._phones.values()],
                 "missing": missing if self._state == "walking" else [],

@@ -64,7 +64,7 @@ class Visitor:
                 self._phone.take(message)
             case "fix":
                 ago_s = min(max(_number(message, "ago_s"), 0.0), _LONGEST_AGO_S)
-                time_s = self._session.data_time_s(ago_s)
+                time_s = self._session.data_time_s - ago_s
                 x_m, y_m, sigma_m = (_number(message, name) for name in ("x_m", "y_m", "sigma_m"))
                 self._session.take_fix(x_m, y_m, sigma_m, time_s)
             case "stop":

@@ -74,12 +74,12 @@ function showState(message) {
   byId('here').disabled = ended;
   if (message.state === 'ending') byId('state').textContent = 'the walk has ended: smoothing it';
   if (message.state !== 'ended') return;
-  liveMap.fit();
   byId('state').textContent = message.report ? 'the walk has ended' : 'the walk has ended: no report, see the notes';
   if (!message.report || !byId('report').hidden) return;
   byId('report-link').href = message.report;
   byId('report-frame').src = message.report;
   byId('report').hidden = false;
+  setTimeout(() => { liveMap.leaflet.invalidateSize(); liveMap.fit(); }, 100);  // the map has another size now
 }
 
 function addNote(words) {
