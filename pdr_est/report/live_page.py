@@ -6,7 +6,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
 
-_SCRIPTS = ("live_link.js", "live_phone.js", "live_track.js", "live_page.js")
+_SCRIPTS = ("dom.js", "live_link.js", "live_phone.js", "live_track.js", "live_page.js")
 _NO_FRAMES = "frame-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 
 

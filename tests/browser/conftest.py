@@ -29,9 +29,9 @@ class OpenPage:
     complaints: list[str] = field(default_factory=list)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:
-    """Start one headless Chromium for all tests of a process."""
+    """Start one headless Chromium for the tests of a file; its event loop ends with it."""
     if not CHROMIUM:
         pytest.skip("no Chromium: install the package chromium")
     with sync_playwright() as playwright:

@@ -51,7 +51,7 @@ def test_recorded_text_is_that_of_the_recorded_numbers_and_the_papers():
     text = (EXPERIMENTS / "results/uptime_table3.txt").read_text(encoding="utf-8")
     table = {place: cells["measured_percent"] for place, cells in document.items()}
     assert SCRIPT["as_text"](table) == text
-    assert SCRIPT["as_markdown"](table) in (EXPERIMENTS / "README.md").read_text(encoding="utf-8")
+    assert SCRIPT["as_markdown"](table) in (EXPERIMENTS / "paper-details.md").read_text(encoding="utf-8")
     assert {place.words: place.paper_percent for place in SCRIPT["PLACES"]} == {
         place: cells["paper_percent"] for place, cells in document.items()
     }

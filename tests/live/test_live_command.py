@@ -18,7 +18,7 @@ from two_phones import recorded
 from websockets.sync.client import ClientConnection, connect
 
 from pdr_est.cli import main
-from pdr_est.cli.work import live
+from pdr_est.cli.work.online import live
 from pdr_est.io.formats.registry import read
 from pdr_est.live.addresses import is_loopback, make_certificate, new_token, qr_code_text
 

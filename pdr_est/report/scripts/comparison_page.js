@@ -1,8 +1,6 @@
 /** Make a comparison page one that can be explored; if that fails, its still pictures and tables remain. */
 'use strict';
 
-const byId = (id) => document.getElementById(id);
-
 /** Show the table of walks, and the tracks of the one that is chosen. */
 function startWalks(data) {
   const tracks = createWalkTracks({ map: byId('walk-map'), title: byId('walk-name'), legend: byId('walk-lines'),

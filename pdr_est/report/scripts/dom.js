@@ -1,5 +1,8 @@
-/** Make elements of a page, and write numbers for reading. */
+/** Find and make elements of a page, and write numbers for reading. */
 'use strict';
+
+/** Find the element of an id. */
+const byId = (id) => document.getElementById(id);
 
 /** Make an element with properties and children, which are elements or texts. */
 function makeElement(tag, properties = {}, ...children) {

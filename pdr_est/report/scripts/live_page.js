@@ -4,7 +4,6 @@
 const MODE_WORDS = { UNKNOWN: 'not recognised', HOLDING: 'in the hand', SWING: 'swinging hand', POCKET: 'pocket', OTHER: 'elsewhere', TRANS: 'changing' };
 const KEPT_DELAYS = 2000;
 
-const byId = (id) => document.getElementById(id);
 const modeNames = JSON.parse(byId('modes').textContent);
 const liveMap = createTrackMap(byId('map'), {
   modes: modeNames.map((name) => ({ name, colour: `--mode-${name.toLowerCase()}`, dashes: [] })),
@@ -55,14 +54,14 @@ function showNumbers() {
 function showStatus(status) {
   byId('steps').textContent = status.phones.length ? status.phones.map((one) => one.steps).join(' + ') : '–';
   byId('filter-delay').textContent = status.latency_s ? `${status.latency_s.toFixed(1)} s` : '–';
-  byId('missing').replaceChildren(...status.missing.map((words) => element('li', words)));
+  byId('missing').replaceChildren(...status.missing.map((words) => makeElement('li', {}, words)));
   byId('missing-box').hidden = status.missing.length === 0;
   byId('phones').replaceChildren(...status.phones.map((one) => {
     const rates = one.sensors.map((sensor) => (
       `${sensor.name} ${sensor.rate_hz ? `${sensor.rate_hz.toFixed(0)} Hz` : `silent after ${sensor.samples} samples`}`
     )).join(', ');
-    const line = element('tr');
-    line.append(element('th', one.name), element('td', rates || 'nothing yet'), element('td', `${one.steps} steps`));
+    const line = makeElement('tr');
+    line.append(makeElement('th', {}, one.name), makeElement('td', {}, rates || 'nothing yet'), makeElement('td', {}, `${one.steps} steps`));
     return line;
   }));
 }
@@ -84,13 +83,7 @@ function showState(message) {
 
 function addNote(words) {
   byId('notes-box').hidden = false;
-  byId('notes').prepend(element('li', words));
-}
-
-function element(tag, text = '') {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  return made;
+  byId('notes').prepend(makeElement('li', {}, words));
 }
 
 byId('sensors').addEventListener('click', () => { byId('sensors').disabled = true; phone.start(); });
