@@ -1,0 +1,145 @@
+"""Particle filter of a walk: nodes, measurements and tethers come in order of time, and each changes the particles."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pdr_est.estimators.common.nodes import Node
+from pdr_est.estimators.common.tethers import PairTether
+from pdr_est.estimators.particle.cloud import DEVICE_ROWS, LOG_SCALE, NORTH, Cloud, effective, systematic
+from pdr_est.estimators.particle.kernel import moved_by_kernel, roughened_scale
+from pdr_est.estimators.particle.likelihoods import (
+    fix_likelihood,
+    heading_likelihood,
+    tether_likelihood,
+    with_reference,
+    with_source,
+    with_wandering_error,
+)
+from pdr_est.estimators.particle.motion import log_way_weight, move_particles
+from pdr_est.estimators.particle.number import wanted_number
+from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.plan_grid import PlanGrid
+from pdr_est.frames import Array
+
+_RESAMPLED = 0.5  # share of effective particles below which they are resampled
+_STARVED = 0.1  # share of effective particles below which a measurement is taken in several parts
+_MOST_PARTS = 30  # of a measurement
+
+
+@dataclass
+class PlanFit:
+    """What the plan has said so far.
+
+    Attributes
+    ----------
+    log_evidence
+        Logarithm of the probability of all ways on the plan.
+    """
+
+    log_evidence: float = 0.0
+    log_least: float = 0.0
+
+
+class WalkFilter:
+    """Particle filter of all devices of a walk.
+
+    Parameters
+    ----------
+    cloud
+        Particles at the start.
+    parameters
+        Settings.
+    grid
+        Raster of the plan, or None without a plan.
+    rng
+        Source of random numbers.
+    """
+
+    def __init__(
+        self, cloud: Cloud, parameters: ParticleParams, grid: PlanGrid | None, rng: np.random.Generator
+    ) -> None:
+        self.cloud = cloud
+        self.grid = grid
+        self.fit = PlanFit()
+        self._parameters = parameters
+        self._rng = rng
+
+    def move(self, device: int, node: Node) -> None:
+        """Move the particles of a device over the motion that leads to a node, within the walls of the plan."""
+        self._resample_if_needed()
+        state = self.cloud.state.copy()
+        rows = state[DEVICE_ROWS * device : DEVICE_ROWS * (device + 1)]
+        before = rows[: NORTH + 1].copy()
+        move_particles(rows, node, self._rng)
+        log_weight = self.cloud.log_weight
+        if self.grid is not None and node.length_m > 0.0:
+            way = log_way_weight(self.grid, tuple(before), tuple(rows[: NORTH + 1]), self._parameters)
+            way = way / self.cloud.devices
+            weights = self.cloud.weights
+            self.fit.log_evidence += float(np.log(weights @ np.exp(way)))
+            log_weight = log_weight + way
+        self.cloud = replace(self.cloud, state=state, log_weight=log_weight)
+
+    def measure(self, device: int, node: Node) -> None:
+        """Weigh the particles by the fixes and headings of a node."""
+        for prior in node.priors:
+            self._weigh(lambda cloud, one=prior: heading_likelihood(cloud, device, one))  # type: ignore[misc]
+            self.cloud = with_reference(self.cloud, device, prior)
+        for fix in node.fixes:
+            self.cloud, source = with_source(self.cloud, device, fix)
+            self._weigh(lambda cloud, one=fix, own=source: fix_likelihood(cloud, device, one, own))  # type: ignore[misc]
+            self.cloud = with_wandering_error(self.cloud, device, fix, source)
+
+    def tether(self, tethers: Sequence[PairTether]) -> None:
+        """Weigh the particles by tethers at the present poses."""
+        if tethers:
+            self._weigh(lambda cloud: tether_likelihood(cloud, tethers))
+
+    def _resample_if_needed(self) -> None:
+        weights = self.cloud.weights
+        if effective(weights) >= _RESAMPLED * len(weights):
+            return
+        count = wanted_number(self.cloud, weights, self._parameters)
+        kept = systematic(weights, count, float(self._rng.random()))
+        state = self.cloud.state[:, kept]
+        for device in range(self.cloud.devices):
+            row = DEVICE_ROWS * device + LOG_SCALE
+            state[row] = roughened_scale(state[row], self._rng)
+        self.cloud = replace(self.cloud, state=state, log_weight=np.zeros(count))
+
+    def _weigh(self, likelihood: Callable[[Cloud], Array]) -> None:
+        """Multiply the weights by a likelihood, in several parts where few particles would be left.
+
+        After each part the particles are resampled and moved by a kernel, so that they follow the likelihood to where
+        there were few of them (progressive correction).
+        """
+        left = 1.0
+        for _ in range(_MOST_PARTS):
+            log = likelihood(self.cloud)
+            part = _largest_part(self.cloud.log_weight, log, left)
+            self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + part * log)
+            left -= part
+            if left <= 1e-9:
+                return
+            self.cloud = moved_by_kernel(self.cloud, self._rng, self.grid)
+        log = likelihood(self.cloud)
+        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + left * log)
+
+
+def _largest_part(log_weight: Array, log: Array, left: float) -> float:
+    """Return the largest part of a likelihood, at most `left`, that leaves enough effective particles."""
+
+    def enough(part: float, share: float) -> bool:
+        total = log_weight + part * log
+        weights = np.exp(total - total.max())
+        return effective(weights / weights.sum()) >= share * len(weights)
+
+    if enough(left, _STARVED):
+        return left
+    low, high = 0.0, left
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if enough(middle, _RESAMPLED * 0.5) else (low, middle)
+    return max(low, left / _MOST_PARTS)
