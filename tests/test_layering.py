@@ -37,6 +37,7 @@ ORDER: list[set[str]] = [
         "estimators.fixed_lag",
         "estimators.robust_dr",
         "estimators.heading_chain",
+        "estimators.particle",
     },
     {"io.floor_plans"},
     {"io", "front_end.gait", "estimators"},

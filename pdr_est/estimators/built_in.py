@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.estimators.spec import EstimatorSpec
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, StartPose
@@ -25,10 +26,13 @@ class EstimatorSettings:
         Parameters of map-closed-form and map-general.
     fixed_lag
         Parameters of fixed-lag.
+    particle
+        Parameters of particle.
     """
 
     map_fusion: MapFusionParams
     fixed_lag: FixedLagParams
+    particle: ParticleParams
 
 
 @dataclass(frozen=True)
@@ -92,9 +96,9 @@ class BuiltInEstimator:
         start: StartPose,
         sigma_length_scale: float,
     ) -> Track:
-        walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings)
+        walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings, devices)
         call = _CALLS[self.spec.name]
-        if not self.spec.smooths:
+        if not self.spec.smooths or self.spec.weighs_alternatives:
             return call(walk)
         from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
 
@@ -123,6 +127,7 @@ class _Walk:
     start: StartPose
     sigma_length_scale: float
     settings: EstimatorSettings
+    devices: Sequence[DeviceMeasurements]
     start_headings_rad: Sequence[float | None] = ()
 
 
@@ -170,6 +175,14 @@ def _fixed_lag(walk: _Walk) -> Track:
     return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.fixed_lag)
 
 
+def _particle(walk: _Walk) -> Track:
+    from pdr_est.estimators.particle.smoother import estimate, plan_of
+
+    settings = walk.settings.particle
+    plan = plan_of(walk.devices)
+    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, plan, settings)
+
+
 _TABLE: tuple[tuple[EstimatorSpec, Callable[[_Walk], Track]], ...] = (
     (EstimatorSpec("dead-reckoning", uses_fixes=False), _dead_reckoning),
     (EstimatorSpec("map-closed-form", uses_fixes=False, uses_tethers=True), _map_closed_form),
@@ -180,6 +193,19 @@ _TABLE: tuple[tuple[EstimatorSpec, Callable[[_Walk], Track]], ...] = (
         _factor_graph,
     ),
     (EstimatorSpec("fixed-lag", online=True, delayed=True, uses_tethers=True), _fixed_lag),
+    (
+        EstimatorSpec(
+            "particle",
+            smooths=True,
+            online=True,
+            uses_closure=True,
+            uses_tethers=True,
+            uses_plan=True,
+            weighs_alternatives=True,
+            sampled=True,
+        ),
+        _particle,
+    ),
 )
 
 SPECS: Mapping[str, EstimatorSpec] = MappingProxyType({spec.name: spec for spec, _ in _TABLE})

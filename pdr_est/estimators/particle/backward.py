@@ -24,16 +24,17 @@ from pdr_est.estimators.particle.cloud import (
     NORTH,
     REFERENCE,
     REFERENCE_VARIANCE,
+    START_EAST,
     Cloud,
     systematic,
 )
-from pdr_est.estimators.particle.motion import log_way_weight
-from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.plan_grid import PlanGrid
+from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 
 _CANDIDATES = 3  # predecessors that are drawn for each path before the plan chooses among them
-_SCALE_KERNEL = 0.3  # over the standard deviation of the particles: by how much length scales may differ
+_KERNEL = 0.3  # over the standard deviation of the particles: by how much what is constant may differ
+_LEAST_SPREAD = 1e-6  # of particles, below which they count as equal
+_UNKNOWN_RAD2 = 10.0  # variance of a direction of which nothing is known
 _REFERENCE_SIGMA_RAD = 0.03  # by how much reference directions may differ
 
 
@@ -57,7 +58,7 @@ class Block:
 
 
 def simulate_backward(
-    blocks: Sequence[Block], parameters: ParticleParams, grid: PlanGrid | None, rng: np.random.Generator
+    blocks: Sequence[Block], paths: int, plan: PlanModel | None, rng: np.random.Generator
 ) -> tuple[list[Array], Array]:
     """Draw paths from the posterior of a walk.
 
@@ -65,10 +66,10 @@ def simulate_backward(
     ----------
     blocks
         Blocks in order of time; the first one holds the particles at the start.
-    parameters
-        Number of paths, and what the plan means.
-    grid
-        Raster of the plan, or None.
+    paths
+        Number of paths.
+    plan
+        The plan, or None.
     rng
         Source of random numbers.
 
@@ -80,90 +81,92 @@ def simulate_backward(
         (devices, paths) logarithms of the length scales at the end.
     """
     last = blocks[-1].cloud
-    devices = last.devices
-    path = last.state[:, systematic(last.weights, parameters.paths, float(rng.random()))]
-    final = path.copy()
-    poses: list[list[Array]] = [[] for _ in range(devices)]
+    path = last.state[:, systematic(last.weights, paths, float(rng.random()))]
+    final = path
+    poses: list[list[Array]] = [[] for _ in range(last.devices)]
     for before, block in zip(blocks[-2::-1], blocks[:0:-1], strict=True):
-        motions = [block_motions(nodes) if nodes and here else [] for nodes, here in zip(block.nodes, block.present, strict=True)]
-        chosen, between = _predecessors(before.cloud, path, final, motions, parameters, grid, rng)
+        motions = [
+            block_motions(nodes) if nodes and here else []
+            for nodes, here in zip(block.nodes, block.present, strict=True)
+        ]
+        candidates = _candidates(before.cloud, path, final, motions, 1 if plan is None else _CANDIDATES, rng)
+        between = _ways(before.cloud.state[:, candidates], path, motions)
+        best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, rng)
+        row = np.arange(paths)
         for device, nodes in enumerate(block.nodes):
-            if not nodes:
-                continue
-            if between[device] is None:  # it enters the walk here
-                rows = path[DEVICE_ROWS * device : DEVICE_ROWS * device + HEADING + 1]
-                poses[device].append(np.repeat(rows[None], len(nodes), axis=0))
-            else:
-                poses[device].append(between[device])  # type: ignore[arg-type]
-        path = before.cloud.state[:, chosen]
+            own = between[device]
+            if own is not None:
+                poses[device].append(own[1:, :, row, best])
+            elif nodes:  # the device enters the walk here
+                poses[device].append(np.repeat(_pose(path, device)[None], len(nodes), axis=0))
+        path = before.cloud.state[:, candidates[row, best]]
     for device, nodes in enumerate(blocks[0].nodes):
         if nodes:
-            poses[device].append(path[None, DEVICE_ROWS * device : DEVICE_ROWS * device + HEADING + 1])
-    found = [np.concatenate(own[::-1]) for own in poses]
-    return found, final[LOG_SCALE::DEVICE_ROWS][:devices]
+            poses[device].append(_pose(path, device)[None])
+    return [np.concatenate(own[::-1]) for own in poses], final[LOG_SCALE::DEVICE_ROWS][: last.devices]
 
 
-def _predecessors(
+def _pose(state: Array, device: int) -> Array:
+    """Return east, north and heading (3, ...) of a device."""
+    return state[DEVICE_ROWS * device : DEVICE_ROWS * device + HEADING + 1]
+
+
+def _candidates(
     cloud: Cloud,
     path: Array,
     final: Array,
     motions: Sequence[Sequence[BlockMotion]],
-    parameters: ParticleParams,
-    grid: PlanGrid | None,
+    draws: int,
     rng: np.random.Generator,
-) -> tuple[NDArray[np.int64], list[Array | None]]:
-    """Draw the predecessors (m,) of paths, and return the poses (k, 3, m) of each device between them."""
+) -> NDArray[np.int64]:
+    """Draw particles (m, draws) that may be the predecessors of paths, walls apart."""
     log = np.broadcast_to(cloud.log_weight, (path.shape[1], len(cloud)))
     for device, own in enumerate(motions):
         if own:
-            log = log + _log_fit(cloud.device(device), path[DEVICE_ROWS * device :], final[DEVICE_ROWS * device :], own)
-    count = path.shape[1]
-    candidates = _drawn(log, _CANDIDATES if grid is not None else 1, rng)
-    begin, row = cloud.state[:, candidates], np.arange(count)
-    between, way = [], np.zeros(candidates.shape)
+            begin = DEVICE_ROWS * device
+            log = log + _log_fit(cloud.device(device), path[begin:], final[begin:], own)
+    return _drawn(log, draws, rng)
+
+
+def _ways(begin: Array, path: Array, motions: Sequence[Sequence[BlockMotion]]) -> list[Array | None]:
+    """Return the poses (k + 1, 3, m, c) of each device from candidates (rows, m, c) to paths; None for no motion."""
+    ways: list[Array | None] = []
     for device, own in enumerate(motions):
         if not own:
-            between.append(None)
+            ways.append(None)
             continue
-        rows = slice(DEVICE_ROWS * device, DEVICE_ROWS * (device + 1))
-        first, last = begin[rows], np.repeat(path[rows][:, :, None], candidates.shape[1], axis=2)
-        motion = _chosen_motion(own, first, last)
-        poses = motion
-        between.append(poses)
-        if grid is not None:
-            way += _log_way(grid, first, poses, parameters)
-    if grid is None:
-        best = np.zeros(count, dtype=np.int64)
-    else:
-        weight = np.exp(way - way.max(axis=1, keepdims=True))
-        total = np.cumsum(weight, axis=1)
-        best = (total < rng.random(count)[:, None] * total[:, -1:]).sum(axis=1)
-    return candidates[row, best], [None if one is None else one[:, :, row, best] for one in between]
+        first, log_scale = _pose(begin, device), begin[DEVICE_ROWS * device + LOG_SCALE]
+        last = np.broadcast_to(_pose(path, device)[:, :, None], first.shape)
+        ways.append(np.concatenate([first[None], _poses_between(own, first, last, log_scale)]))
+    return ways
 
 
-def _chosen_motion(motions: Sequence[BlockMotion], begin: Array, end: Array) -> Array:
-    """Return the poses (k, 3, ...) between ends, for each by the turn hypothesis that fits best."""
-    found = poses_between(motions[0], begin[: HEADING + 1], end[: HEADING + 1], begin[LOG_SCALE])
+def _chosen(plan: PlanModel, ways: Sequence[Array | None], rng: np.random.Generator) -> NDArray[np.int64]:
+    """Draw one of the candidates (m,) by how probable its ways are on the plan."""
+    log = sum(_log_way(plan, one) for one in ways if one is not None)
+    weight = np.exp(log - np.max(log, axis=1, keepdims=True))
+    total = np.cumsum(weight, axis=1)
+    drawn = (total < rng.random((len(total), 1)) * total[:, -1:]).sum(axis=1)
+    return np.asarray(np.minimum(drawn, total.shape[1] - 1), dtype=np.int64)
+
+
+def _log_way(plan: PlanModel, poses: Array) -> Array:
+    """Return the log probabilities (m, c) of the ways of a device over a block, (k + 1, 3, m, c), on the plan."""
+    begin, end = poses[:-1, :2], poses[1:, :2]
+    log = plan.log_way((begin[:, 0].ravel(), begin[:, 1].ravel()), (end[:, 0].ravel(), end[:, 1].ravel()))
+    return np.asarray(log.reshape(len(begin), *poses.shape[2:]).sum(axis=0))
+
+
+def _poses_between(motions: Sequence[BlockMotion], begin: Array, end: Array, log_scale: Array) -> Array:
+    """Return the poses (k, 3, ...) between ends (3, ...), for each by the turn hypothesis that fits best."""
+    found = poses_between(motions[0], begin, end, log_scale)
     if len(motions) == 1:
         return found
     turned = end[HEADING] - begin[HEADING]
-    costs = np.array([np.abs(turned - one.poses[-1, 2]) for one in motions])
-    best = costs.argmin(axis=0)
+    best = np.array([np.abs(turned - one.poses[-1, 2]) for one in motions]).argmin(axis=0)
     for number, one in enumerate(motions[1:], 1):
-        other = poses_between(one, begin[: HEADING + 1], end[: HEADING + 1], begin[LOG_SCALE])
-        found = np.where(best == number, other, found)
+        found = np.where(best == number, poses_between(one, begin, end, log_scale), found)
     return found
-
-
-def _log_way(grid: PlanGrid, begin: Array, poses: Array, parameters: ParticleParams) -> Array:
-    """Return the log probabilities (m, c) of the ways of a device over a block on the plan."""
-    total = np.zeros(begin.shape[1:])
-    here = begin[EAST].ravel(), begin[NORTH].ravel()
-    for east, north in poses[:, :2]:
-        there = east.ravel(), north.ravel()
-        total += log_way_weight(grid, here, there, parameters).reshape(total.shape)
-        here = there
-    return total
 
 
 def _drawn(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -175,7 +178,8 @@ def _drawn(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64
     offset = 2.0 * np.arange(rows)[:, None]
     wanted = rng.random((rows, draws)) + offset
     found = np.searchsorted((total + offset).ravel(), wanted.ravel()).reshape(rows, draws)
-    return np.minimum(found - columns * np.arange(rows)[:, None], columns - 1)
+    found = np.minimum(found - columns * np.arange(rows)[:, None], columns - 1)
+    return np.asarray(found, dtype=np.int64)
 
 
 def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMotion]) -> Array:
@@ -186,7 +190,9 @@ def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMoti
     centre = path[: HEADING + 1].mean(axis=1)
     east, north, heading = path[: HEADING + 1] - centre[:, None]
     one = np.ones(len(east))
-    terms = np.array([east**2, north**2, heading**2, east * north, east * heading, north * heading, east, north, heading, one])
+    terms = np.array(
+        [east**2, north**2, heading**2, east * north, east * heading, north * heading, east, north, heading, one]
+    )
     rest = _log_rest(rows, path, final)
     logs = [one.log_probability - 0.5 * (terms.T @ _quadratic_terms(one, rows, centre)) for one in motions]
     found = logs[0] if len(logs) == 1 else np.logaddexp.reduce(logs)
@@ -211,17 +217,23 @@ def _quadratic_terms(motion: BlockMotion, rows: Array, centre: Array) -> Array:
 
 
 def _log_rest(rows: Array, path: Array, final: Array) -> Array:
-    """Return the log densities (m, n) of the length scale and the reference direction of paths, by kernels."""
-    spread = _SCALE_KERNEL * rows[LOG_SCALE].std() + 1e-4
-    wide = rows[REFERENCE_VARIANCE] - min(float(path[REFERENCE_VARIANCE].min()), float(rows[REFERENCE_VARIANCE].min()))
-    wide = np.maximum(wide, 0.0) + _REFERENCE_SIGMA_RAD**2
-    scale, reference = final[LOG_SCALE], path[REFERENCE]
-    one = np.ones(len(scale))
-    middle = reference.mean()
-    off, own = reference - middle, rows[REFERENCE] - middle
-    terms = np.array([scale**2, scale, off**2, off, one])
-    squared = (rows[LOG_SCALE] / spread) ** 2 + own**2 / wide + np.log(wide)
-    factors = np.array(
-        [np.full(len(own), spread**-2), -2.0 * rows[LOG_SCALE] / spread**2, 1.0 / wide, -2.0 * own / wide, squared]
-    )
-    return np.asarray(-0.5 * (terms.T @ factors))
+    """Return the log densities (m, n) of what is constant along paths, by kernels."""
+    kept = [LOG_SCALE, START_EAST, START_EAST + 1]  # constant, and therefore those at the end of the path
+    found = np.zeros((path.shape[1], rows.shape[1]))
+    for row in kept:
+        spread = rows[row].std()
+        if spread > _LEAST_SPREAD:
+            found = found - 0.5 * _squared(final[row], rows[row], np.full(rows.shape[1], (_KERNEL * spread) ** 2))
+    least = min(float(path[REFERENCE_VARIANCE].min()), float(rows[REFERENCE_VARIANCE].min()))
+    if least > _UNKNOWN_RAD2:  # no relative heading so far
+        return found
+    wide = np.maximum(rows[REFERENCE_VARIANCE] - least, 0.0) + _REFERENCE_SIGMA_RAD**2
+    return np.asarray(found - 0.5 * (_squared(path[REFERENCE], rows[REFERENCE], wide) + np.log(wide)))
+
+
+def _squared(path: Array, particles: Array, variance: Array) -> Array:
+    """Return the squares (m, n) of the differences of m and n values, over variances (n,)."""
+    middle = path.mean()
+    off, own = path - middle, particles - middle
+    terms = np.array([off**2, off, np.ones(len(off))])
+    return np.asarray(terms.T @ np.array([1.0 / variance, -2.0 * own / variance, own**2 / variance]))

@@ -70,7 +70,7 @@ def _motion(nodes: Sequence[Node], turn_rad: float, covariance: Array, log_proba
         poses.append(pose)
         spreads.append(spread)
         steps.append(step)
-    information = np.linalg.inv(spread + np.diag(_LEAST_SIGMA**2))
+    information: Array = np.linalg.inv(spread + np.diag(_LEAST_SIGMA**2)).astype(np.float64)
     gains, later = [], np.eye(3)
     for own, step in zip(reversed(spreads), reversed(steps), strict=True):
         gains.append(own @ later.T @ information)

@@ -1,10 +1,10 @@
 """Weighted particles of a walk, with the state of every device of the walker, and how they are resampled.
 
-A particle is one column of an array. Each device has six rows: east m, north m, heading rad, logarithm of the length
-scale, and mean and variance of the direction that relative headings count from. That direction is not sampled: given
-the headings of a particle it is Gaussian, and each particle carries its Kalman filter (Rao-Blackwellisation). The same
-holds for the wandering error of a source of fixes given the positions: two rows for its mean in metres, while its
-variance is common to all particles.
+A particle is one column of an array. Each device has eight rows: east m, north m, heading rad, logarithm of the
+length scale, mean and variance of the direction that relative headings count from, and east and north of where it
+began, to which closed walks return. That direction is not sampled: given the headings of a particle it is Gaussian,
+and each particle carries its Kalman filter (Rao-Blackwellisation). The same holds for the wandering error of a source
+of fixes given the positions: two rows for its mean in metres, while its variance is common to all particles.
 """
 
 from dataclasses import dataclass, field
@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 
-DEVICE_ROWS = 6
+DEVICE_ROWS = 8
 """Number of rows of a device."""
 
-EAST, NORTH, HEADING, LOG_SCALE, REFERENCE, REFERENCE_VARIANCE = range(DEVICE_ROWS)
+EAST, NORTH, HEADING, LOG_SCALE, REFERENCE, REFERENCE_VARIANCE, START_EAST, START_NORTH = range(DEVICE_ROWS)
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,8 @@ class Cloud:
         (n,) logarithms of the weights, up to a constant.
     sources
         Sources of fixes with wandering errors, whose means are the last rows.
+    devices
+        Number of devices.
     """
 
     state: Array
@@ -51,10 +53,10 @@ class Cloud:
     sources: tuple[WanderingSource, ...] = field(default=())
 
     def __len__(self) -> int:
-        return self.state.shape[1]
+        return int(self.state.shape[1])
 
     def device(self, number: int) -> Array:
-        """Return a view of the rows (6, n) of a device."""
+        """Return a view of the rows (8, n) of a device."""
         return self.state[DEVICE_ROWS * number : DEVICE_ROWS * (number + 1)]
 
     def source_rows(self, number: int) -> slice:
@@ -88,4 +90,5 @@ def systematic(weights: Array, count: int, uniform: float) -> NDArray[np.int64]:
     """
     places = (np.arange(count) + uniform) / count
     total = np.cumsum(weights)
-    return np.minimum(np.searchsorted(total, places * total[-1], side="right"), len(weights) - 1)
+    taken = np.searchsorted(total, places * total[-1], side="right")
+    return np.asarray(np.minimum(taken, len(weights) - 1), dtype=np.int64)

@@ -1,6 +1,7 @@
 """Particles at the start of a walk: drawn from what is known there, and from the first measurement of the rest."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import ndtri
@@ -15,8 +16,10 @@ from pdr_est.estimators.particle.cloud import (
     NORTH,
     REFERENCE,
     REFERENCE_VARIANCE,
+    START_EAST,
     Cloud,
 )
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.measurements import PositionFix
 
@@ -60,7 +63,23 @@ def initial_cloud(
             log_weight = log_weight + more
         else:
             rows[EAST], rows[NORTH] = mean[:2, None] + sigma[:2, None] * common
+        rows[START_EAST:] = rows[: NORTH + 1]
     return Cloud(state, log_weight, len(priors))
+
+
+def spread_over_plan(cloud: Cloud, grid: PlanGrid, rng: np.random.Generator) -> Cloud:
+    """Return a cloud that begins anywhere on the walkable ground of a plan, all devices in one place."""
+    density = np.cumsum(grid.walkable.ravel(), dtype=np.float64)
+    wanted = (rng.permutation(len(cloud)) + rng.random(len(cloud))) / len(cloud) * density[-1]
+    row, column = np.divmod(np.searchsorted(density, wanted), grid.walkable.shape[1])
+    inside = rng.random((2, len(cloud)))
+    state = cloud.state.copy()
+    for device in range(cloud.devices):
+        rows = state[DEVICE_ROWS * device : DEVICE_ROWS * (device + 1)]
+        rows[EAST] = grid.origin_m[0] + (column + inside[0]) * grid.cell_m
+        rows[NORTH] = grid.origin_m[1] + (row + inside[1]) * grid.cell_m
+        rows[START_EAST:] = rows[: NORTH + 1]
+    return replace(cloud, state=state)
 
 
 def normal_strata(count: int, rng: np.random.Generator) -> Array:
@@ -118,4 +137,3 @@ def _open_positions(nodes: Sequence[Node], rows: Array, rng: np.random.Generator
     normal = np.array([normal_strata(count, rng) for _ in range(2)])
     place = np.asarray(fix.position_m, dtype=np.float64)[:, None] + root @ normal
     return place - np.array([east, north]), 0.5 * (normal**2).sum(axis=0)
-

@@ -1,8 +1,8 @@
 """Kernels that keep particles different from each other after resampling.
 
 Equal particles stay equal where the model has no noise, as in the length scale, or where one measurement leaves few of
-them. A Gaussian kernel of a part of their own covariance moves them apart; the particles are drawn towards their mean
-at the same time, so that mean and covariance stay what they are (Liu and West).
+them. A Gaussian kernel of a part of their own covariance moves them apart. At the same time they are drawn towards
+their mean, so that mean and covariance stay what they are (Liu and West).
 
 References
 ----------
@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.estimators.particle.cloud import DEVICE_ROWS, HEADING, LOG_SCALE, NORTH, Cloud, systematic
-from pdr_est.estimators.particle.plan_grid import PlanGrid
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.frames import Array
 
 _SCALE_KERNEL = 0.1  # standard deviation of the kernel over that of the particles, for the length scale alone

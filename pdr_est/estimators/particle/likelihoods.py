@@ -13,6 +13,7 @@ from pdr_est.estimators.particle.cloud import (
     NORTH,
     REFERENCE,
     REFERENCE_VARIANCE,
+    START_EAST,
     Cloud,
     WanderingSource,
 )
@@ -23,7 +24,11 @@ _WRONG = 0.05  # probability that a robust heading in the map says nothing; ours
 
 
 def heading_likelihood(cloud: Cloud, device: int, prior: HeadingPrior) -> Array:
-    """Return the log likelihoods (n,) of a heading; a robust one has the tails of Cauchy's kernel, as in the graph."""
+    """Return the log likelihoods (n,) of a heading.
+
+    A robust heading in the map is wrong with a small probability, and may then be any. The errors of a relative one
+    are much the same from step to step; its tails are those of Cauchy's kernel, as in the graph.
+    """
     residual, variance = _heading_residual(cloud.device(device), prior)
     squared = residual**2 / variance
     if prior.robust and prior.relative:
@@ -118,3 +123,10 @@ def tether_likelihood(cloud: Cloud, tethers: Sequence[PairTether]) -> Array:
         beyond = np.maximum(np.hypot(*apart) - tether.max_distance_m, 0.0)
         total -= 0.5 * (beyond / tether.sigma_m) ** 2
     return total
+
+
+def closure_likelihood(cloud: Cloud, device: int, sigma_m: float) -> Array:
+    """Return the log likelihoods (n,) of a walk that ends where it began."""
+    rows = cloud.device(device)
+    apart = rows[: NORTH + 1] - rows[START_EAST:]
+    return np.asarray(-0.5 * (apart**2).sum(axis=0) / sigma_m**2)

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Le
+from annotated_types import Ge, Gt, Le, Lt
 
 from pdr_est.params import Fraction, Positive, params
 
@@ -27,7 +27,7 @@ class ParticleParams:
     paths: Annotated[int, Ge(10), Le(10_000)] = 200
     """Number of paths that the smoother draws from the posterior."""
 
-    pass_probability: Annotated[float, Gt(0.0), Le(1.0)] = 0.01
+    pass_probability: Annotated[float, Gt(0.0), Lt(1.0)] = 0.01
     """Probability with which a step goes through a wall of the plan, or onto ground that is not walkable there: the
     plan may be wrong, and doors are often not drawn (ours)."""
 

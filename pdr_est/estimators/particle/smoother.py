@@ -1,46 +1,112 @@
 """Estimator `particle`: smoothed tracks of all devices of a walk, on a floor plan if there is one."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from pdr_est.estimators.common.initial_state import start_prior, starts_of
-from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.common.tethers import NodeTether, PairTether, node_tethers_between
-from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.particle.backward import Block, simulate_backward
-from pdr_est.estimators.particle.initial_cloud import initial_cloud
+from pdr_est.errors import EstimationError
+from pdr_est.estimators.common.tethers import node_tethers_between
+from pdr_est.estimators.common.timeline import Timeline
+from pdr_est.estimators.particle.backward import simulate_backward
+from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.plan_grid import PlanGrid
-from pdr_est.estimators.particle.walk_filter import WalkFilter
-from pdr_est.frames import Array
-from pdr_est.types.measurements import DeviceTether, StartPose
+from pdr_est.estimators.particle.path_summary import track_of_paths
+from pdr_est.estimators.particle.plan.plan_model import PlanModel
+from pdr_est.types.findings import Finding, FindingKind
+from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
 
-NAME = "particle"
-_BLOCK_STEPS = 4
+
+def estimate(
+    timelines: Sequence[Timeline],
+    tethers: Sequence[DeviceTether],
+    start: StartPose,
+    sigma_length_scale: float,
+    plan: FloorPlan | None,
+    parameters: ParticleParams,
+) -> Track:
+    """Estimate the smoothed tracks of all devices.
+
+    A plan that has probably nothing to do with the walk is left out, and a finding says so.
+
+    Parameters
+    ----------
+    timelines
+        Measurements of each device.
+    tethers
+        Tethers between the devices.
+    start
+        Start pose of the walk as far as it is known.
+    sigma_length_scale
+        Standard deviation of the walker's length scale around 1.
+    plan
+        Plan of the floor, or None.
+    parameters
+        Settings.
+
+    Raises
+    ------
+    EstimationError
+        For a tether to a device without timeline, and for a plan that cannot be drawn.
+    """
+    walk = WalkInput(
+        tuple(timelines), tuple(node_tethers_between(timelines, tethers)), start, sigma_length_scale, parameters
+    )
+    if plan is None:
+        return _smoothed(walk, None, filter_by_particles(walk, None))
+    model = PlanModel.of(plan, parameters)
+    filtered = filter_by_particles(walk, model)
+    unrelated = probability_unrelated(filtered, model, parameters)
+    if unrelated <= 0.5:
+        return _smoothed(walk, model, filtered)
+    track = _smoothed(walk, None, filter_by_particles(walk, None))
+    return replace(track, findings=(*track.findings, unrelated_finding(plan, unrelated)))
 
 
-def filtered_blocks(timelines, tethers, start, sigma_length_scale, parameters, grid, rng):
-    starts = starts_of(timelines, start)
-    priors = [start_prior(t, s, sigma_length_scale) for t, s in zip(timelines, starts)]
-    open_ = any(p.heading_open or p.position_open for p in priors)
-    cloud = initial_cloud(priors, [t.nodes for t in timelines], parameters.most_particles * (2 if open_ else 1), rng)
-    flt = WalkFilter(cloud, parameters, grid, rng)
-    devices = len(timelines)
-    for d, t in enumerate(timelines):
-        flt.measure(d, t.nodes[0])
-    blocks = [Block(flt.cloud, tuple((t.nodes[0],) for t in timelines), (False,)*devices)]
-    events = sorted(((node.time_s, d, i) for d, t in enumerate(timelines) for i, node in enumerate(t.nodes) if i), key=lambda e: (e[0], e[1]))
-    current = [[] for _ in range(devices)]
-    for k, (time_s, d, i) in enumerate(events):
-        node = timelines[d].nodes[i]
-        flt.move(d, node)
-        flt.measure(d, node)
-        current[d].append(node)
-        nxt = timelines[events[k+1][1]].nodes[events[k+1][2]] if k+1 < len(events) else None
-        if nxt is None or node.fixes or nxt.turn_hypotheses or sum(map(len, current)) >= _BLOCK_STEPS*devices:
-            blocks.append(Block(flt.cloud, tuple(map(tuple, current)), (True,)*devices))
-            current = [[] for _ in range(devices)]
-    return blocks, flt
+def plan_of(devices: Sequence[DeviceMeasurements]) -> FloorPlan | None:
+    """Return the floor plan among the measurements of all devices, or None.
+
+    Raises EstimationError for more than one.
+    """
+    plans = {id(m): m for one in devices for m in one.measurements if isinstance(m, FloorPlan)}
+    if len(plans) > 1:
+        names = ", ".join(repr(plan.name) for plan in plans.values())
+        raise EstimationError(f"{len(plans)} floor plans ({names}): give the one of the floor of the walk")
+    return next(iter(plans.values()), None)
+
+
+def probability_unrelated(filtered: ParticleWalk, model: PlanModel, parameters: ParticleParams) -> float:
+    """Return the probability that a plan has nothing to do with a walk.
+
+    A walk that has nothing to do with the plan meets a wall of it once in its mean free path.
+    """
+    prior = parameters.unrelated_plan
+    if prior in (0.0, 1.0):
+        return prior
+    log_odds = np.log((1.0 - prior) / prior) + filtered.fit.log_evidence + filtered.fit.length_m / model.free_path_m
+    return float(1.0 / (1.0 + np.exp(np.clip(log_odds, -700.0, 700.0))))
+
+
+def unrelated_finding(plan: FloorPlan, probability: float) -> Finding:
+    """Report a plan that does not fit."""
+    return Finding(
+        FindingKind.PLAN,
+        f"the plan {plan.name!r} does not fit this walk (probability {probability:.0%}), and the track is made "
+        "without it: check the floor, the scale and the frame of the plan, and the start",
+        value=probability,
+    )
+
+
+def _smoothed(walk: WalkInput, model: PlanModel | None, filtered: ParticleWalk) -> Track:
+    """Draw paths from the posterior and make the tracks of them."""
+    rng = np.random.default_rng([walk.parameters.seed, 1])
+    poses, log_scale = simulate_backward(filtered.blocks, walk.parameters.paths, model, rng)
+    grid = None if model is None else model.grid
+    return concatenate(
+        [
+            track_of_paths(timeline, own, scale, grid)
+            for timeline, own, scale in zip(walk.timelines, poses, log_scale, strict=True)
+        ]
+    )

@@ -1,15 +1,17 @@
-"""Particle filter of a walk: nodes, measurements and tethers come in order of time, and each changes the particles."""
+"""Particle filter of a walk: nodes, measurements and tethers come in order of time and change the particles."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import PairTether
-from pdr_est.estimators.particle.cloud import DEVICE_ROWS, LOG_SCALE, NORTH, Cloud, effective, systematic
+from pdr_est.estimators.particle.cloud import DEVICE_ROWS, HEADING, LOG_SCALE, Cloud, effective, systematic
 from pdr_est.estimators.particle.kernel import moved_by_kernel, roughened_scale
 from pdr_est.estimators.particle.likelihoods import (
+    closure_likelihood,
     fix_likelihood,
     heading_likelihood,
     tether_likelihood,
@@ -17,29 +19,37 @@ from pdr_est.estimators.particle.likelihoods import (
     with_source,
     with_wandering_error,
 )
-from pdr_est.estimators.particle.motion import log_way_weight, move_particles
+from pdr_est.estimators.particle.motion import move_particles
 from pdr_est.estimators.particle.number import wanted_number
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.plan_grid import PlanGrid
+from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 
 _RESAMPLED = 0.5  # share of effective particles below which they are resampled
 _STARVED = 0.1  # share of effective particles below which a measurement is taken in several parts
 _MOST_PARTS = 30  # of a measurement
+_SIGMA_ENTERING_M = 0.2  # of the place of a late device against that of another: the pace within a step is not known
 
 
 @dataclass
 class PlanFit:
-    """What the plan has said so far.
+    """Evidence of the ways of a walk for the plan.
 
     Attributes
     ----------
     log_evidence
         Logarithm of the probability of all ways on the plan.
+    length_m
+        Length of these ways, m.
     """
 
     log_evidence: float = 0.0
-    log_least: float = 0.0
+    length_m: float = 0.0
+
+    def add(self, weights: Array, log_way: Array, length_m: float) -> None:
+        """Add a step: weights (n,) of the particles, log probabilities (n,) of their ways, and its length, m."""
+        self.log_evidence += float(np.log(weights @ np.exp(log_way)))
+        self.length_m += length_m
 
 
 class WalkFilter:
@@ -51,17 +61,17 @@ class WalkFilter:
         Particles at the start.
     parameters
         Settings.
-    grid
-        Raster of the plan, or None without a plan.
+    plan
+        The plan, or None without one.
     rng
         Source of random numbers.
     """
 
     def __init__(
-        self, cloud: Cloud, parameters: ParticleParams, grid: PlanGrid | None, rng: np.random.Generator
+        self, cloud: Cloud, parameters: ParticleParams, plan: PlanModel | None, rng: np.random.Generator
     ) -> None:
         self.cloud = cloud
-        self.grid = grid
+        self.plan = plan
         self.fit = PlanFit()
         self._parameters = parameters
         self._rng = rng
@@ -71,16 +81,15 @@ class WalkFilter:
         self._resample_if_needed()
         state = self.cloud.state.copy()
         rows = state[DEVICE_ROWS * device : DEVICE_ROWS * (device + 1)]
-        before = rows[: NORTH + 1].copy()
-        move_particles(rows, node, self._rng)
-        log_weight = self.cloud.log_weight
-        if self.grid is not None and node.length_m > 0.0:
-            way = log_way_weight(self.grid, tuple(before), tuple(rows[: NORTH + 1]), self._parameters)
-            way = way / self.cloud.devices
-            weights = self.cloud.weights
-            self.fit.log_evidence += float(np.log(weights @ np.exp(way)))
-            log_weight = log_weight + way
-        self.cloud = replace(self.cloud, state=state, log_weight=log_weight)
+        if self.plan is None:
+            move_particles(rows, node, self._rng)
+            self.cloud = replace(self.cloud, state=state)
+            return
+        way = self.plan.move(rows, node, self._rng) / self.cloud.devices
+        self.fit.add(self.cloud.weights, way, node.length_m / self.cloud.devices)
+        if self.plan.directions is not None:
+            way = way + self.plan.directions.log_weight(rows, node.length_m) / self.cloud.devices
+        self.cloud = replace(self.cloud, state=state, log_weight=self.cloud.log_weight + way)
 
     def measure(self, device: int, node: Node) -> None:
         """Weigh the particles by the fixes and headings of a node."""
@@ -96,6 +105,19 @@ class WalkFilter:
         """Weigh the particles by tethers at the present poses."""
         if tethers:
             self._weigh(lambda cloud: tether_likelihood(cloud, tethers))
+
+    def close(self, device: int, sigma_m: float) -> None:
+        """Weigh the particles by the distance of the present pose of a device from its start."""
+        self._weigh(lambda cloud: closure_likelihood(cloud, device, sigma_m))
+
+    def enter(self, device: int, donor: int) -> None:
+        """Put a device that begins late where another one is."""
+        state = self.cloud.state.copy()
+        rows = state[DEVICE_ROWS * device : DEVICE_ROWS * (device + 1)]
+        rows[: HEADING + 1] = self.cloud.device(donor)[: HEADING + 1]
+        sigma = np.array([[_SIGMA_ENTERING_M], [_SIGMA_ENTERING_M], [SIGMA_INITIAL_HEADING_RAD]])
+        rows[: HEADING + 1] += sigma * self._rng.standard_normal((3, len(self.cloud)))
+        self.cloud = replace(self.cloud, state=state)
 
     def _resample_if_needed(self) -> None:
         weights = self.cloud.weights
@@ -123,7 +145,7 @@ class WalkFilter:
             left -= part
             if left <= 1e-9:
                 return
-            self.cloud = moved_by_kernel(self.cloud, self._rng, self.grid)
+            self.cloud = moved_by_kernel(self.cloud, self._rng, None if self.plan is None else self.plan.grid)
         log = likelihood(self.cloud)
         self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + left * log)
 

@@ -50,7 +50,9 @@ class PlanGrid:
         found: NDArray[np.float32] = self.walkable.ravel().take(row)
         return found
 
-    def along(self, begin_m: tuple[Array, Array], end_m: tuple[Array, Array], longest_m: float) -> NDArray[np.float32]:
+    def along(
+        self, begin_m: tuple[Array, Array], end_m: tuple[Array, Array], longest_m: float
+    ) -> NDArray[np.float32]:
         """Return the least probability of a point on each of n straight ways, without their beginnings.
 
         Parameters
@@ -73,8 +75,7 @@ def grid_of(plan: FloorPlan, cell_m: float) -> PlanGrid:
 
     Raises EstimationError for a plan without area, and for one that is too large for cells of that size.
     """
-    outlines = [np.asarray(ring, dtype=np.float64) for area in plan.areas for ring in (area.outline_m, *area.holes_m)]
-    outlines = [ring for ring in outlines if len(ring) >= 3]
+    outlines = _rings(plan)
     if not outlines:
         raise EstimationError(f"floor plan {plan.name!r} has no walkable area: give it at least one outline")
     corners = np.concatenate(outlines)
@@ -84,8 +85,8 @@ def grid_of(plan: FloorPlan, cell_m: float) -> PlanGrid:
     columns, rows = (int(n) for n in np.ceil((high - low + 2.0 * margin_m) / cell_m) + 1)
     if rows * columns > _MOST_CELLS:
         raise EstimationError(
-            f"floor plan {plan.name!r} is {high[0] - low[0]:.0f} m by {high[1] - low[1]:.0f} m: too large for cells of "
-            f"{cell_m} m; check its units, or set larger cells"
+            f"floor plan {plan.name!r} is {high[0] - low[0]:.0f} m by {high[1] - low[1]:.0f} m: too large for cells "
+            f"of {cell_m} m; check its units, or set larger cells"
         )
     inside = _filled([(ring - origin_m) / cell_m for ring in outlines], rows, columns)
     walkable = inside.astype(np.float32)
@@ -97,6 +98,18 @@ def grid_of(plan: FloorPlan, cell_m: float) -> PlanGrid:
     walkable[[0, -1]] = 0.0
     walkable[:, [0, -1]] = 0.0
     return PlanGrid(walkable, origin_m, cell_m)
+
+
+def segments_of(plan: FloorPlan) -> Array:
+    """Return all walls (n, 2, 2) of a plan, the borders of its areas among them: begin and end of each, m."""
+    borders = [np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in _rings(plan)]
+    return np.concatenate([*borders, np.asarray(plan.walls_m, dtype=np.float64).reshape(-1, 2, 2)])
+
+
+def _rings(plan: FloorPlan) -> list[Array]:
+    """Return the outlines and holes (k, 2) of a plan that have an area."""
+    rings = [np.asarray(ring, dtype=np.float64) for area in plan.areas for ring in (area.outline_m, *area.holes_m)]
+    return [ring for ring in rings if len(ring) >= 3]
 
 
 def _filled(rings: list[Array], rows: int, columns: int) -> NDArray[np.bool_]:
@@ -122,6 +135,8 @@ def _crossed(walls: Array, rows: int, columns: int) -> tuple[NDArray[np.int64], 
         share = np.linspace(0.0, 1.0, int(4.0 * np.abs(end - begin).max()) + 2)[:, None]
         points.append(begin + share * (end - begin))
     column, row = np.concatenate(points).T
-    near = np.concatenate([np.stack([row, column]), np.stack([row + 0.35, column]), np.stack([row, column + 0.35])], 1)
+    near = np.concatenate(
+        [np.stack([row, column]), np.stack([row + 0.35, column]), np.stack([row, column + 0.35])], 1
+    )
     cells = np.clip(near.astype(np.int64), 0, np.array([[rows - 1], [columns - 1]]))
     return cells[0], cells[1]
