@@ -7,11 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.robust_dr.params import MapFusionParams
-from pdr_est.estimators.spec import EstimatorSpec
+from pdr_est.estimators.spec import EstimatorSpec, OnlineFilter
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
 
@@ -70,6 +71,23 @@ class BuiltInEstimator:
         if names == [one.device for one in ordered]:
             return track
         return concatenate([track.of_device(name) for name in names])
+
+    @property
+    def has_filter(self) -> bool:
+        """Tell whether `begin` makes an online filter; the others that work online are part of the tracker."""
+        return self.spec.name in _FILTERS
+
+    def begin(self, devices: Sequence[str], start: StartPose, sigma_length_scale: float) -> OnlineFilter:
+        """Make the filter of a walk, as the contract says.
+
+        Raises
+        ------
+        EstimationError
+            For an estimator without a filter of its own.
+        """
+        if not self.has_filter:
+            raise EstimationError(f"the estimator {self.spec.name} has no filter of its own: use it by a Tracker")
+        return _FILTERS[self.spec.name](devices, start, sigma_length_scale, self.settings)
 
     def _estimate_checked(
         self,
@@ -183,6 +201,14 @@ def _particle(walk: _Walk) -> Track:
     return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, plan, settings)
 
 
+def _particle_filter(
+    devices: Sequence[str], start: StartPose, sigma_length_scale: float, settings: EstimatorSettings
+) -> OnlineFilter:
+    from pdr_est.estimators.particle.online_filter import ParticleOnlineFilter
+
+    return ParticleOnlineFilter(devices, start, sigma_length_scale, settings.particle)
+
+
 _TABLE: tuple[tuple[EstimatorSpec, Callable[[_Walk], Track]], ...] = (
     (EstimatorSpec("dead-reckoning", uses_fixes=False), _dead_reckoning),
     (EstimatorSpec("map-closed-form", uses_fixes=False, uses_tethers=True), _map_closed_form),
@@ -212,3 +238,7 @@ SPECS: Mapping[str, EstimatorSpec] = MappingProxyType({spec.name: spec for spec,
 """Abilities of the estimators of the package, by name."""
 
 _CALLS: Mapping[str, Callable[[_Walk], Track]] = MappingProxyType({spec.name: call for spec, call in _TABLE})
+
+_FILTERS: Mapping[str, Callable[[Sequence[str], StartPose, float, EstimatorSettings], OnlineFilter]] = (
+    MappingProxyType({"particle": _particle_filter})
+)

@@ -9,7 +9,7 @@ S. Godsill, A. Doucet, M. West, "Monte Carlo smoothing for nonlinear time series
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 
 _CANDIDATES = 3  # predecessors that are drawn for each path before the plan chooses among them
+_MOST_PARTICLES = 800  # among which the predecessors of a path are sought; ours
 _KERNEL = 0.3  # over the standard deviation of the particles: by how much what is constant may differ
 _LEAST_SPREAD = 1e-6  # of particles, below which they count as equal
 _UNKNOWN_RAD2 = 10.0  # variance of a direction of which nothing is known
@@ -89,8 +90,9 @@ def simulate_backward(
             block_motions(nodes) if nodes and here else []
             for nodes, here in zip(block.nodes, block.present, strict=True)
         ]
-        candidates = _candidates(before.cloud, path, final, motions, 1 if plan is None else _CANDIDATES, rng)
-        between = _ways(before.cloud.state[:, candidates], path, motions)
+        cloud = _thinned(before.cloud, rng)
+        candidates = _candidates(cloud, path, final, motions, 1 if plan is None else _CANDIDATES, rng)
+        between = _ways(cloud.state[:, candidates], path, motions)
         best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, rng)
         row = np.arange(paths)
         for device, nodes in enumerate(block.nodes):
@@ -99,11 +101,19 @@ def simulate_backward(
                 poses[device].append(own[1:, :, row, best])
             elif nodes:  # the device enters the walk here
                 poses[device].append(np.repeat(_pose(path, device)[None], len(nodes), axis=0))
-        path = before.cloud.state[:, candidates[row, best]]
+        path = cloud.state[:, candidates[row, best]]
     for device, nodes in enumerate(blocks[0].nodes):
         if nodes:
             poses[device].append(_pose(path, device)[None])
     return [np.concatenate(own[::-1]) for own in poses], final[LOG_SCALE::DEVICE_ROWS][: last.devices]
+
+
+def _thinned(cloud: Cloud, rng: np.random.Generator) -> Cloud:
+    """Return a cloud of no more particles than predecessors are sought among, equally probable ones."""
+    if len(cloud) <= _MOST_PARTICLES:
+        return cloud
+    kept = systematic(cloud.weights, _MOST_PARTICLES, float(rng.random()))
+    return replace(cloud, state=cloud.state[:, kept], log_weight=np.zeros(_MOST_PARTICLES))
 
 
 def _pose(state: Array, device: int) -> Array:
@@ -171,8 +181,7 @@ def _poses_between(motions: Sequence[BlockMotion], begin: Array, end: Array, log
 
 def _drawn(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Draw numbers (m, draws) of columns by the logarithms (m, n) of their weights, for each row."""
-    weights = np.exp((log - log.max(axis=1, keepdims=True)).astype(np.float32))
-    total = np.cumsum(weights, axis=1, dtype=np.float64)
+    total = np.cumsum(np.exp(log - log.max(axis=1, keepdims=True)), axis=1)
     total /= total[:, -1:]
     rows, columns = total.shape
     offset = 2.0 * np.arange(rows)[:, None]
@@ -218,12 +227,12 @@ def _quadratic_terms(motion: BlockMotion, rows: Array, centre: Array) -> Array:
 
 def _log_rest(rows: Array, path: Array, final: Array) -> Array:
     """Return the log densities (m, n) of what is constant along paths, by kernels."""
-    kept = [LOG_SCALE, START_EAST, START_EAST + 1]  # constant, and therefore those at the end of the path
     found = np.zeros((path.shape[1], rows.shape[1]))
-    for row in kept:
-        spread = rows[row].std()
+    for kept in ([LOG_SCALE], [START_EAST, START_EAST + 1]):  # constant, and so those at the end of the path
+        spread = float(np.sqrt(rows[kept].var(axis=1).mean()))
         if spread > _LEAST_SPREAD:
-            found = found - 0.5 * _squared(final[row], rows[row], np.full(rows.shape[1], (_KERNEL * spread) ** 2))
+            for row in kept:
+                found -= 0.5 * _squared(final[row], rows[row], np.full(rows.shape[1], (_KERNEL * spread) ** 2))
     least = min(float(path[REFERENCE_VARIANCE].min()), float(rows[REFERENCE_VARIANCE].min()))
     if least > _UNKNOWN_RAD2:  # no relative heading so far
         return found

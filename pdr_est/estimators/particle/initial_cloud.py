@@ -20,8 +20,8 @@ from pdr_est.estimators.particle.cloud import (
     Cloud,
 )
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
-from pdr_est.frames import Array, wrap_angle
-from pdr_est.types.measurements import PositionFix
+from pdr_est.frames import Array, rotation_matrix, wrap_angle
+from pdr_est.types.measurements import HeadingPrior, PositionFix
 
 _WIDER = 1.3  # standard deviation of drawn states over that of the measurement they are drawn from
 _ANYWHERE = 0.25  # share of headings that are drawn from the whole circle, for a measurement that is wrong
@@ -62,7 +62,8 @@ def initial_cloud(
             rows[: NORTH + 1], more = _open_positions(own, rows, rng)
             log_weight = log_weight + more
         else:
-            rows[EAST], rows[NORTH] = mean[:2, None] + sigma[:2, None] * common
+            turned = rotation_matrix(0.0 if prior.heading_open else mean[2]) @ common  # with the start the walk turns
+            rows[EAST], rows[NORTH] = mean[:2, None] + sigma[:2, None] * turned
         rows[START_EAST:] = rows[: NORTH + 1]
     return Cloud(state, log_weight, len(priors))
 
@@ -79,6 +80,49 @@ def spread_over_plan(cloud: Cloud, grid: PlanGrid, rng: np.random.Generator) -> 
         rows[EAST] = grid.origin_m[0] + (column + inside[0]) * grid.cell_m
         rows[NORTH] = grid.origin_m[1] + (row + inside[1]) * grid.cell_m
         rows[START_EAST:] = rows[: NORTH + 1]
+    return replace(cloud, state=state)
+
+
+def turned_to_heading(cloud: Cloud, device: int, prior: HeadingPrior, rng: np.random.Generator) -> Cloud:
+    """Return a cloud in which a heading tells the direction of the walk, of which nothing was known before.
+
+    The walk of each particle so far turns about its start, by the same angle for all devices.
+    """
+    drawn = prior.heading_rad + prior.sigma_rad * normal_strata(len(cloud), rng)
+    return _turned(cloud, wrap_angle(drawn - cloud.device(device)[HEADING]))
+
+
+def placed_at_fix(
+    cloud: Cloud, device: int, fix: PositionFix, position_open: bool, heading_open: bool, rng: np.random.Generator
+) -> Cloud:
+    """Return a cloud in which the first fix places a walk whose position or direction is open.
+
+    A direction that is open may be any; a position that is open is that of the fix, up to its error.
+    """
+    if heading_open:
+        uniform = 2.0 * np.pi * (rng.permutation(len(cloud)) + rng.random(len(cloud))) / len(cloud) - np.pi
+        cloud = _turned(cloud, uniform)
+    if not position_open:
+        return cloud
+    root = np.linalg.cholesky(np.asarray(fix.total_covariance_m2, dtype=np.float64))
+    error = root @ np.array([normal_strata(len(cloud), rng) for _ in range(2)])
+    place = np.asarray(fix.position_m, dtype=np.float64)[:, None] + error
+    move = place - cloud.device(device)[: NORTH + 1]
+    state = cloud.state.copy()
+    for begin in range(0, DEVICE_ROWS * cloud.devices, DEVICE_ROWS):
+        state[begin : begin + NORTH + 1] += move
+        state[begin + START_EAST : begin + DEVICE_ROWS] += move
+    return replace(cloud, state=state)
+
+
+def _turned(cloud: Cloud, angle_rad: Array) -> Cloud:
+    """Return a cloud whose particles have turned about their starts by angles (n,)."""
+    state, c, s = cloud.state.copy(), np.cos(angle_rad), np.sin(angle_rad)
+    for begin in range(0, DEVICE_ROWS * cloud.devices, DEVICE_ROWS):
+        rows = state[begin : begin + DEVICE_ROWS]
+        east, north = rows[: NORTH + 1] - rows[START_EAST:]
+        rows[EAST], rows[NORTH] = rows[START_EAST] + c * east - s * north, rows[START_EAST + 1] + s * east + c * north
+        rows[HEADING] = wrap_angle(rows[HEADING] + angle_rad)
     return replace(cloud, state=state)
 
 

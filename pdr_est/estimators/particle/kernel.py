@@ -1,7 +1,7 @@
 """Kernels that keep particles different from each other after resampling.
 
-Equal particles stay equal where the model has no noise, as in the length scale, or where one measurement leaves few of
-them. A Gaussian kernel of a part of their own covariance moves them apart. At the same time they are drawn towards
+Equal particles stay equal where the model has no noise, as in the length scale, or where one measurement leaves few
+of them. A Gaussian kernel of a part of their own covariance moves them apart. At the same time they are drawn towards
 their mean, so that mean and covariance stay what they are (Liu and West).
 
 References

@@ -27,7 +27,7 @@ from pdr_est.frames import Array
 
 _RESAMPLED = 0.5  # share of effective particles below which they are resampled
 _STARVED = 0.1  # share of effective particles below which a measurement is taken in several parts
-_MOST_PARTS = 30  # of a measurement
+_MOST_PARTS = 100  # of a measurement
 _SIGMA_ENTERING_M = 0.2  # of the place of a late device against that of another: the pace within a step is not known
 
 
@@ -119,6 +119,12 @@ class WalkFilter:
         rows[: HEADING + 1] += sigma * self._rng.standard_normal((3, len(self.cloud)))
         self.cloud = replace(self.cloud, state=state)
 
+    def add_device(self) -> None:
+        """Add a device that was not known when the walk began, with a pose of the first one."""
+        cloud, begin = self.cloud, DEVICE_ROWS * self.cloud.devices
+        state = np.concatenate([cloud.state[:begin], cloud.state[:DEVICE_ROWS], cloud.state[begin:]])
+        self.cloud = replace(cloud, state=state, devices=cloud.devices + 1)
+
     def _resample_if_needed(self) -> None:
         weights = self.cloud.weights
         if effective(weights) >= _RESAMPLED * len(weights):
@@ -164,4 +170,4 @@ def _largest_part(log_weight: Array, log: Array, left: float) -> float:
     for _ in range(12):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if enough(middle, _RESAMPLED * 0.5) else (low, middle)
-    return max(low, left / _MOST_PARTS)
+    return low
