@@ -13,14 +13,16 @@ Methods in Practice, Springer 2001.
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.estimators.particle.cloud import DEVICE_ROWS, HEADING, LOG_SCALE, NORTH, Cloud, systematic
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
-from pdr_est.frames import Array
+from pdr_est.frames import Array, wrap_angle
 
 _SCALE_KERNEL = 0.1  # standard deviation of the kernel over that of the particles, for the length scale alone
 _KERNEL = 0.3  # the same for all states, where a measurement leaves few particles
 _OPEN_RAD = 0.6  # standard deviation of a heading from which on its mean means nothing
+_APART_RAD = 0.3  # between the headings of two modes
 _BLOCKED = 0.5  # probability of being walkable below which a kernel moves no particle
 
 
@@ -38,17 +40,35 @@ def moved_by_kernel(cloud: Cloud, rng: np.random.Generator, grid: PlanGrid | Non
     state = cloud.state[:, systematic(cloud.weights, count, float(rng.random()))]
     sampled = [DEVICE_ROWS * device + row for device in range(cloud.devices) for row in range(LOG_SCALE + 1)]
     before = state[sampled]
-    centre = before.mean(axis=1, keepdims=True)
-    apart = before - centre
-    variance, axes = np.linalg.eigh(apart @ apart.T / count)
-    root = axes * np.sqrt(np.maximum(variance, 0.0))
-    one_mode = all(apart[4 * device + HEADING].std() < _OPEN_RAD for device in range(cloud.devices))
-    kept = np.sqrt(1.0 - _KERNEL**2) if one_mode else 1.0
-    after = centre + kept * apart + _KERNEL * (root @ rng.standard_normal(before.shape))
+    after = before.copy()
+    for own in _modes(before[HEADING]):
+        after[:, own] = _moved(before[:, own], rng)
     if grid is not None:
         _stay_on_plan(grid, before, after)
     state[sampled] = after
     return replace(cloud, state=state, log_weight=np.zeros(count))
+
+
+def _modes(heading: Array) -> list[NDArray[np.int64]]:
+    """Return the particles of each group of headings (n,) that lies apart from all others on the circle."""
+    angle = wrap_angle(heading)
+    order = np.argsort(angle, kind="stable")
+    gaps = np.diff(angle[order], append=angle[order[0]] + 2.0 * np.pi)
+    borders = np.flatnonzero(gaps > _APART_RAD) + 1
+    if not len(borders):
+        return [order]
+    return np.split(np.roll(order, -borders[-1]), borders[:-1] + len(order) - borders[-1])
+
+
+def _moved(before: Array, rng: np.random.Generator) -> Array:
+    """Return states (4 devices, n) of one mode, moved by a kernel of their covariance."""
+    centre = before.mean(axis=1, keepdims=True)
+    apart = before - centre
+    variance, axes = np.linalg.eigh(apart @ apart.T / before.shape[1])
+    root = axes * np.sqrt(np.maximum(variance, 0.0))
+    one_mode = all(apart[row].std() < _OPEN_RAD for row in range(HEADING, len(apart), LOG_SCALE + 1))
+    kept = np.sqrt(1.0 - _KERNEL**2) if one_mode else 1.0
+    return np.asarray(centre + kept * apart + _KERNEL * (root @ rng.standard_normal(before.shape)))
 
 
 def _stay_on_plan(grid: PlanGrid, before: Array, after: Array) -> None:

@@ -1,13 +1,22 @@
 """Motion of particles over one node."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.particle.cloud import EAST, HEADING, LOG_SCALE, NORTH
 from pdr_est.frames import Array
 
 
-def move_particles(rows: Array, node: Node, rng: np.random.Generator) -> None:
+def chosen_turns_of(node: Node, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+    """Draw the number (count,) of a turn hypothesis for each particle; 0 for a node without any."""
+    if not node.turn_hypotheses:
+        return np.zeros(count, dtype=np.int64)
+    share = np.array([one.probability for one in node.turn_hypotheses])
+    return rng.choice(len(share), size=count, p=share / share.sum())
+
+
+def move_particles(rows: Array, node: Node, chosen: NDArray[np.int64], rng: np.random.Generator) -> None:
     """Move the particles of a device in place, each with an error of its own from the covariance of the node.
 
     Parameters
@@ -15,22 +24,22 @@ def move_particles(rows: Array, node: Node, rng: np.random.Generator) -> None:
     rows
         (8, n) rows of the device; they are changed.
     node
-        Node that the motion leads to. Of turn hypotheses each particle takes one, by their probabilities.
+        Node that the motion leads to.
+    chosen
+        Number (n,) of the turn hypothesis of each particle.
     rng
         Source of random numbers.
     """
-    count = rows.shape[1]
-    error = motion_root(node.covariance) @ rng.standard_normal((3, count))
+    normal = rng.standard_normal((3, rows.shape[1]))
     turn_rad: Array | float = node.heading_change_rad
     if node.turn_hypotheses:
-        turns = node.turn_hypotheses
-        share = np.array([one.probability for one in turns])
-        chosen = rng.choice(len(turns), size=count, p=share / share.sum())
+        turns, error = node.turn_hypotheses, np.empty(normal.shape)
         for number, one in enumerate(turns):
             own = np.flatnonzero(chosen == number)
-            root = motion_root(with_heading_variance(node.covariance, one.sigma_rad**2))
-            error[:, own] = root @ rng.standard_normal((3, len(own)))
+            error[:, own] = motion_root(with_heading_variance(node.covariance, one.sigma_rad**2)) @ normal[:, own]
         turn_rad = np.array([one.heading_change_rad for one in turns])[chosen]
+    else:
+        error = motion_root(node.covariance) @ normal
     heading = rows[HEADING] + turn_rad
     c, s = np.cos(heading), np.sin(heading)
     ahead = np.exp(rows[LOG_SCALE]) * node.length_m + error[0]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.particle.cloud import NORTH
-from pdr_est.estimators.particle.motion import move_particles
+from pdr_est.estimators.particle.motion import chosen_turns_of, move_particles
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, grid_of, segments_of
 from pdr_est.estimators.particle.plan.wall_directions import WallDirections, wall_directions
@@ -79,8 +79,8 @@ class PlanModel:
         rng
             Source of random numbers.
         """
-        before = rows.copy()
-        move_particles(rows, node, rng)
+        before, turns = rows.copy(), chosen_turns_of(node, rows.shape[1], rng)
+        move_particles(rows, node, turns, rng)
         log = np.zeros(rows.shape[1])
         if node.length_m <= 0.0:
             return log
@@ -92,7 +92,7 @@ class PlanModel:
             if not len(again):
                 break
             once = before[:, again]
-            move_particles(once, node, rng)
+            move_particles(once, node, turns[again], rng)
             rows[:, again] = once
             again = again[self._meets_wall(before[:, again], once, rng)]
         log[again] = np.log(self.pass_probability)
