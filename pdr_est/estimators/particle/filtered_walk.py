@@ -13,11 +13,14 @@ from pdr_est.estimators.particle.backward import Block
 from pdr_est.estimators.particle.cloud import Cloud
 from pdr_est.estimators.particle.initial_cloud import initial_cloud, spread_over_plan
 from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.plan.plan_grid import Window
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.estimators.particle.walk_filter import PlanFit, WalkFilter
 from pdr_est.types.measurements import LATE_START_S, StartPose
 
 _BLOCK_NODES = 4  # of each device in a block
+_SURELY = 1.3  # of the length of a walk, beyond which no particle gets
+_FIX_ERROR_M = 30.0  # beyond which no particle is from the first fix
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,7 @@ def filter_by_particles(walk: WalkInput, plan: PlanModel | None) -> ParticleWalk
             donor = late_start_donor(0, node.time_s, begun_s, maker.begun)
             if donor is not None:
                 own.enter(device, donor)
+            own.begin(device)
         own.measure(device, node)
         if index == len(walk.timelines[device].nodes) - 1 and walk.timelines[device].closure_sigma_m is not None:
             own.close(device, walk.timelines[device].closure_sigma_m or 0.0)
@@ -81,6 +85,22 @@ def filter_by_particles(walk: WalkInput, plan: PlanModel | None) -> ParticleWalk
         if maker.ends(node, after, following, bool(due)):
             maker.close(own.cloud)
     return ParticleWalk(tuple(maker.blocks), own.fit)
+
+
+def window_of(walk: WalkInput) -> Window | None:
+    """Return the part of the map that a walk cannot leave: its length around its start or first fix.
+
+    None where neither is known.
+    """
+    start_m = walk.start.position_m
+    longest_m, places = 0.0, [] if start_m is None else [np.array(start_m)]
+    for timeline in walk.timelines:
+        longest_m = max(longest_m, sum(node.length_m for node in timeline.nodes))
+        places += [np.asarray(fix.position_m, dtype=np.float64) for fix in timeline.fixes]
+    if not places:
+        return None
+    reach_m = _SURELY * longest_m + _FIX_ERROR_M
+    return places[0] - reach_m, places[0] + reach_m
 
 
 def _start(walk: WalkInput, plan: PlanModel | None, rng: np.random.Generator) -> Cloud:

@@ -31,7 +31,7 @@ class ParticleParams:
     """Probability with which a step goes through a wall of the plan, or onto ground that is not walkable there: the
     plan may be wrong, and doors are often not drawn (ours)."""
 
-    stray_length_m: Positive = 5.0
+    stray_length_m: Positive = 2.0
     """Mean length, m, of ways off the walkable area before they return (ours)."""
 
     cell_m: Annotated[float, Gt(0.01), Le(5.0)] = 0.2

@@ -9,7 +9,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.particle.backward import simulate_backward
-from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles
+from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles, window_of
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.path_summary import track_of_paths
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
@@ -56,7 +56,7 @@ def estimate(
     )
     if plan is None:
         return _smoothed(walk, None, filter_by_particles(walk, None))
-    model = PlanModel.of(plan, parameters)
+    model = PlanModel.of(plan, parameters, window_of(walk))
     filtered = filter_by_particles(walk, model)
     unrelated = probability_unrelated(filtered, model, parameters)
     if unrelated <= 0.5:
@@ -80,7 +80,8 @@ def plan_of(devices: Sequence[DeviceMeasurements]) -> FloorPlan | None:
 def probability_unrelated(filtered: ParticleWalk, model: PlanModel, parameters: ParticleParams) -> float:
     """Return the probability that a plan has nothing to do with a walk.
 
-    A walk that has nothing to do with the plan meets a wall of it once in its mean free path.
+    A walk that has nothing to do with the plan begins anywhere in the rectangle about it, and meets a wall once in
+    the mean free path.
     """
     prior = parameters.unrelated_plan
     if prior in (0.0, 1.0):

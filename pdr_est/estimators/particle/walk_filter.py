@@ -91,6 +91,16 @@ class WalkFilter:
             way = way + self.plan.directions.log_weight(rows, node.length_m) / self.cloud.devices
         self.cloud = replace(self.cloud, state=state, log_weight=self.cloud.log_weight + way)
 
+    def begin(self, device: int) -> None:
+        """Weigh the particles of a device by whether their start is walkable on the plan."""
+        if self.plan is None:
+            return
+        rows = self.cloud.device(device)
+        log = self.plan.log_place(rows) / self.cloud.devices
+        self.fit.add(self.cloud.weights, log, 0.0)
+        self.fit.log_evidence -= float(np.log(self.plan.walkable_share)) / self.cloud.devices
+        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + log)
+
     def measure(self, device: int, node: Node) -> None:
         """Weigh the particles by the fixes and headings of a node."""
         for prior in node.priors:

@@ -70,8 +70,12 @@ class PlanGrid:
         return least
 
 
-def grid_of(plan: FloorPlan, cell_m: float) -> PlanGrid:
-    """Draw a floor plan into a raster.
+Window = tuple[Array, Array]
+"""South-western and north-eastern corner of a part of a plan, m."""
+
+
+def grid_of(plan: FloorPlan, cell_m: float, window_m: Window | None = None) -> PlanGrid:
+    """Draw a floor plan into a raster, or the part of it inside a window.
 
     Raises EstimationError for a plan without area, and for one that is too large for cells of that size.
     """
@@ -80,6 +84,8 @@ def grid_of(plan: FloorPlan, cell_m: float) -> PlanGrid:
         raise EstimationError(f"floor plan {plan.name!r} has no walkable area: give it at least one outline")
     corners = np.concatenate(outlines)
     low, high = corners.min(axis=0), corners.max(axis=0)
+    if window_m is not None:
+        low, high = np.clip(window_m[0], low, high), np.clip(window_m[1], low, high)
     margin_m = (_MARGIN_CELLS + np.ceil(3.0 * plan.sigma_m / cell_m)) * cell_m
     origin_m = low - margin_m
     columns, rows = (int(n) for n in np.ceil((high - low + 2.0 * margin_m) / cell_m) + 1)
@@ -93,8 +99,7 @@ def grid_of(plan: FloorPlan, cell_m: float) -> PlanGrid:
     if plan.sigma_m > 0.0:
         ndimage.gaussian_filter(walkable, plan.sigma_m / cell_m, output=walkable, mode="constant", truncate=3.0)
     walls = np.asarray(plan.walls_m, dtype=np.float64).reshape(-1, 2, 2)
-    if len(walls):
-        walkable[_crossed((walls - origin_m) / cell_m, rows, columns)] = 0.0
+    _draw_walls(walkable, (walls - origin_m) / cell_m)
     walkable[[0, -1]] = 0.0
     walkable[:, [0, -1]] = 0.0
     return PlanGrid(walkable, origin_m, cell_m)
@@ -104,6 +109,16 @@ def segments_of(plan: FloorPlan) -> Array:
     """Return all walls (n, 2, 2) of a plan, the borders of its areas among them: begin and end of each, m."""
     borders = [np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in _rings(plan)]
     return np.concatenate([*borders, np.asarray(plan.walls_m, dtype=np.float64).reshape(-1, 2, 2)])
+
+
+def walkable_area_m2(plan: FloorPlan) -> float:
+    """Return the area of the walkable ground of a plan, m²."""
+    return sum(_area_m2(area.outline_m) - sum(map(_area_m2, area.holes_m)) for area in plan.areas)
+
+
+def _area_m2(ring: Array) -> float:
+    east, north = np.asarray(ring, dtype=np.float64).reshape(-1, 2).T
+    return 0.5 * abs(float(east @ np.roll(north, -1) - north @ np.roll(east, -1)))
 
 
 def _rings(plan: FloorPlan) -> list[Array]:
@@ -123,20 +138,18 @@ def _filled(rings: list[Array], rows: int, columns: int) -> NDArray[np.bool_]:
     row = first[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
     slope = (end[edge, 0] - begin[edge, 0]) / (end[edge, 1] - begin[edge, 1])
     crossing = begin[edge, 0] + (row + 0.5 - begin[edge, 1]) * slope
-    column = np.clip(np.ceil(crossing - 0.5).astype(np.int64), 0, columns - 1)
+    drawn = (row >= 0) & (row < rows) & (crossing < columns - 1)
+    row, column = row[drawn], np.maximum(np.ceil(crossing[drawn] - 0.5).astype(np.int64), 0)
     toggles = np.bincount(row * columns + column, minlength=rows * columns).reshape(rows, columns)
     return np.asarray(np.bitwise_and(np.cumsum(toggles.astype(np.uint8), axis=1, dtype=np.uint8), 1).astype(np.bool_))
 
 
-def _crossed(walls: Array, rows: int, columns: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return rows and columns of the cells that walls (n, 2, 2), in cells, touch, without gaps at their corners."""
-    points = []
+def _draw_walls(walkable: NDArray[np.float32], walls: Array) -> None:
+    """Make the cells not walkable that walls (n, 2, 2), in cells, touch, without gaps at their corners."""
     for begin, end in walls:
         share = np.linspace(0.0, 1.0, int(4.0 * np.abs(end - begin).max()) + 2)[:, None]
-        points.append(begin + share * (end - begin))
-    column, row = np.concatenate(points).T
-    near = np.concatenate(
-        [np.stack([row, column]), np.stack([row + 0.35, column]), np.stack([row, column + 0.35])], 1
-    )
-    cells = np.clip(near.astype(np.int64), 0, np.array([[rows - 1], [columns - 1]]))
-    return cells[0], cells[1]
+        column, row = (begin + share * (end - begin)).T
+        for beside in ((0.0, 0.0), (0.35, 0.0), (0.0, 0.35)):
+            cells = np.floor([row + beside[0], column + beside[1]]).astype(np.int64)
+            inside = (cells >= 0).all(axis=0) & (cells[0] < walkable.shape[0]) & (cells[1] < walkable.shape[1])
+            walkable[cells[0, inside], cells[1, inside]] = 0.0

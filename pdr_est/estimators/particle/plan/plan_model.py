@@ -9,7 +9,7 @@ from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.particle.cloud import NORTH
 from pdr_est.estimators.particle.motion import chosen_turns_of, move_particles
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, grid_of, segments_of
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window, grid_of, segments_of, walkable_area_m2
 from pdr_est.estimators.particle.plan.wall_directions import WallDirections, wall_directions
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan
@@ -37,6 +37,10 @@ class PlanModel:
         Directions of the nearest walls; None without any.
     free_path_m
         Mean length of straight ways on the walkable ground up to the next wall, m.
+    area_m2
+        Area of the walkable ground, m².
+    walkable_share
+        Share of the rectangle about the plan that is walkable.
     pass_probability, stray_length_m
         As in the settings.
     """
@@ -45,24 +49,37 @@ class PlanModel:
     grid: PlanGrid
     directions: WallDirections | None
     free_path_m: float
+    area_m2: float
+    walkable_share: float
     pass_probability: float
     stray_length_m: float
 
     @classmethod
-    def of(cls, plan: FloorPlan, parameters: ParticleParams) -> "PlanModel":
-        """Make the model of a plan."""
-        grid = grid_of(plan, parameters.cell_m)
-        walls = segments_of(plan)
-        around_m = float(np.hypot(*(walls[:, 1] - walls[:, 0]).T).sum())
-        free_path_m = np.pi * float(grid.walkable.sum()) * grid.cell_m**2 / around_m  # Cauchy's mean chord
-        directions = wall_directions(plan, grid)
-        return cls(plan.name, grid, directions, free_path_m, parameters.pass_probability, parameters.stray_length_m)
+    def of(cls, plan: FloorPlan, parameters: ParticleParams, window_m: Window | None = None) -> "PlanModel":
+        """Make the model of a plan, or of the part of it inside a window that the walk cannot leave."""
+        grid = grid_of(plan, parameters.cell_m, window_m)
+        walls, area_m2 = segments_of(plan), walkable_area_m2(plan)
+        length_m = float(np.hypot(*(walls[:, 1] - walls[:, 0]).T).sum())
+        return cls(
+            name=plan.name,
+            grid=grid,
+            directions=wall_directions(plan, grid),
+            free_path_m=np.pi * area_m2 / length_m,  # Cauchy's formula of the mean chord
+            area_m2=area_m2,
+            walkable_share=area_m2 / float(np.prod(np.ptp(walls.reshape(-1, 2), axis=0))),
+            pass_probability=parameters.pass_probability,
+            stray_length_m=parameters.stray_length_m,
+        )
 
     def particles_anywhere(self, parameters: ParticleParams) -> int:
         """Return the number of particles of a walk that may begin anywhere on the plan in any direction."""
-        area_m2 = float(self.grid.walkable.sum()) * self.grid.cell_m**2
-        count = int(np.ceil(_PER_M2 * area_m2))
+        count = int(np.ceil(_PER_M2 * self.area_m2))
         return min(max(count, parameters.most_particles), parameters.most_start_particles)
+
+    def log_place(self, rows: Array) -> Array:
+        """Return the logarithms (n,) of the probabilities that a walker is in a place, at least that of passing."""
+        passing = self.pass_probability
+        return np.asarray(np.log(passing + (1.0 - passing) * self.grid.at(rows[0], rows[1])), dtype=np.float64)
 
     def move(self, rows: Array, node: Node, rng: np.random.Generator) -> Array:
         """Move the particles of a device over a motion, and return the log probabilities (n,) of their ways.

@@ -80,9 +80,12 @@ def wall_directions(plan: FloorPlan, grid: PlanGrid) -> WallDirections | None:
     wall = np.repeat(np.arange(len(segments)), count)
     place = np.arange(len(wall)) - np.repeat(np.cumsum(count) - count, count)
     points = segments[wall, 0] + (place / (count[wall] - 1))[:, None] * way_m[wall]
-    column, row = np.clip(((points - grid.origin_m) / cell_m).astype(np.int64), 0, [shape[1] - 1, shape[0] - 1]).T
+    column, row = np.floor((points - grid.origin_m) / cell_m).astype(np.int64).T
+    inside = (row >= 0) & (row < shape[0]) & (column >= 0) & (column < shape[1])
+    if not inside.any():
+        return None
     field = np.full(shape, np.nan)
-    field[row, column] = np.arctan2(way_m[wall, 1], way_m[wall, 0])
+    field[row[inside], column[inside]] = np.arctan2(way_m[:, 1], way_m[:, 0])[wall[inside]]
     distance, nearest = ndimage.distance_transform_edt(np.isnan(field), return_indices=True)
     direction = field[nearest[0], nearest[1]]
     direction[distance * cell_m > _FAR_M] = np.nan
