@@ -32,10 +32,9 @@ from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 
 _CANDIDATES = 3  # predecessors that are drawn for each path before the plan chooses among them
-_MOST_PARTICLES = 800  # among which the predecessors of a path are sought; ours
+_MOST_PARTICLES = 600  # among which the predecessors of a path are sought; ours
 _KERNEL = 0.3  # over the standard deviation of the particles: by how much what is constant may differ
 _LEAST_SPREAD = 1e-6  # of particles, below which they count as equal
-_UNKNOWN_RAD2 = 10.0  # variance of a direction of which nothing is known
 _REFERENCE_SIGMA_RAD = 0.03  # by how much reference directions may differ
 
 
@@ -59,7 +58,7 @@ class Block:
 
 
 def simulate_backward(
-    blocks: Sequence[Block], paths: int, plan: PlanModel | None, rng: np.random.Generator
+    blocks: Sequence[Block], closed: Sequence[bool], paths: int, plan: PlanModel | None, rng: np.random.Generator
 ) -> tuple[list[Array], Array]:
     """Draw paths from the posterior of a walk.
 
@@ -67,6 +66,8 @@ def simulate_backward(
     ----------
     blocks
         Blocks in order of time; the first one holds the particles at the start.
+    closed
+        Whether the walk of each device ends where it began.
     paths
         Number of paths.
     plan
@@ -91,7 +92,7 @@ def simulate_backward(
             for nodes, here in zip(block.nodes, block.present, strict=True)
         ]
         cloud = _thinned(before.cloud, rng)
-        candidates = _candidates(cloud, path, final, motions, 1 if plan is None else _CANDIDATES, rng)
+        candidates = _candidates(cloud, path, final, motions, closed, 1 if plan is None else _CANDIDATES, rng)
         between = _ways(cloud.state[:, candidates], path, motions)
         best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, rng)
         row = np.arange(paths)
@@ -126,6 +127,7 @@ def _candidates(
     path: Array,
     final: Array,
     motions: Sequence[Sequence[BlockMotion]],
+    closed: Sequence[bool],
     draws: int,
     rng: np.random.Generator,
 ) -> NDArray[np.int64]:
@@ -134,7 +136,7 @@ def _candidates(
     for device, own in enumerate(motions):
         if own:
             begin = DEVICE_ROWS * device
-            log = log + _log_fit(cloud.device(device), path[begin:], final[begin:], own)
+            log = log + _log_fit(cloud.device(device), path[begin:], final[begin:], own, closed[device])
     return _drawn(log, draws, rng)
 
 
@@ -191,7 +193,7 @@ def _drawn(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64
     return np.asarray(found, dtype=np.int64)
 
 
-def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMotion]) -> Array:
+def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMotion], closed: bool) -> Array:
     """Return the log densities (m, n) of motions from n particles to m paths, and of the rest of their states.
 
     The quadratic forms are products of matrices: of terms of the paths with terms of the particles.
@@ -202,10 +204,40 @@ def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMoti
     terms = np.array(
         [east**2, north**2, heading**2, east * north, east * heading, north * heading, east, north, heading, one]
     )
-    rest = _log_rest(rows, path, final)
-    logs = [one.log_probability - 0.5 * (terms.T @ _quadratic_terms(one, rows, centre)) for one in motions]
-    found = logs[0] if len(logs) == 1 else np.logaddexp.reduce(logs)
-    return np.asarray(found + rest)
+    own_terms, own_factors = zip(*_constant_terms(rows, path, final, closed), strict=True)
+    terms = np.concatenate([terms, *own_terms])
+    logs = []
+    for motion in motions:
+        factors = np.concatenate([_quadratic_terms(motion, rows, centre), *own_factors])
+        logs.append(motion.log_probability - 0.5 * (terms.T @ factors))
+    return np.asarray(logs[0] if len(logs) == 1 else np.logaddexp.reduce(logs))
+
+
+def _constant_terms(rows: Array, path: Array, final: Array, closed: bool) -> list[tuple[Array, Array]]:
+    """Return terms (3, m) of paths and factors (3, n) of particles for what is constant along paths.
+
+    The length scale and, of closed walks, the start have a kernel about those at the end of the path. The direction
+    that relative headings count from has the variance of what the measurements of the block told of it.
+    """
+    found = []
+    for kept in ([LOG_SCALE], [START_EAST, START_EAST + 1])[: 2 if closed else 1]:
+        spread = float(np.sqrt(rows[kept].var(axis=1).mean()))
+        if spread > _LEAST_SPREAD:
+            variance = np.full(rows.shape[1], (_KERNEL * spread) ** 2)
+            found += [_squared(final[row], rows[row], variance) for row in kept]
+    least = min(float(path[REFERENCE_VARIANCE].min()), float(rows[REFERENCE_VARIANCE].min()))
+    wide = np.maximum(rows[REFERENCE_VARIANCE] - least, 0.0) + _REFERENCE_SIGMA_RAD**2
+    terms, factors = _squared(path[REFERENCE], rows[REFERENCE], wide)
+    factors[2] += np.log(wide)
+    return [*found, (terms, factors)]
+
+
+def _squared(path: Array, particles: Array, variance: Array) -> tuple[Array, Array]:
+    """Return terms (3, m) and factors (3, n), whose products are squared differences over variances (n,)."""
+    middle = path.mean()
+    off, own = path - middle, particles - middle
+    factors = np.array([1.0 / variance, -2.0 * own / variance, own**2 / variance])
+    return np.array([off**2, off, np.ones(len(off))]), factors
 
 
 def _quadratic_terms(motion: BlockMotion, rows: Array, centre: Array) -> Array:
@@ -223,26 +255,3 @@ def _quadratic_terms(motion: BlockMotion, rows: Array, centre: Array) -> Array:
     l0, l1, l2 = p00 * m0 + p01 * m1 + p02 * m2, p01 * m0 + p11 * m1 + p12 * m2, p02 * m0 + p12 * m1 + p22 * m2
     squared = m0 * l0 + m1 * l1 + m2 * l2
     return np.array([p00, p11, p22, 2.0 * p01, 2.0 * p02, 2.0 * p12, -2.0 * l0, -2.0 * l1, -2.0 * l2, squared])
-
-
-def _log_rest(rows: Array, path: Array, final: Array) -> Array:
-    """Return the log densities (m, n) of what is constant along paths, by kernels."""
-    found = np.zeros((path.shape[1], rows.shape[1]))
-    for kept in ([LOG_SCALE], [START_EAST, START_EAST + 1]):  # constant, and so those at the end of the path
-        spread = float(np.sqrt(rows[kept].var(axis=1).mean()))
-        if spread > _LEAST_SPREAD:
-            for row in kept:
-                found -= 0.5 * _squared(final[row], rows[row], np.full(rows.shape[1], (_KERNEL * spread) ** 2))
-    least = min(float(path[REFERENCE_VARIANCE].min()), float(rows[REFERENCE_VARIANCE].min()))
-    if least > _UNKNOWN_RAD2:  # no relative heading so far
-        return found
-    wide = np.maximum(rows[REFERENCE_VARIANCE] - least, 0.0) + _REFERENCE_SIGMA_RAD**2
-    return np.asarray(found - 0.5 * (_squared(path[REFERENCE], rows[REFERENCE], wide) + np.log(wide)))
-
-
-def _squared(path: Array, particles: Array, variance: Array) -> Array:
-    """Return the squares (m, n) of the differences of m and n values, over variances (n,)."""
-    middle = path.mean()
-    off, own = path - middle, particles - middle
-    terms = np.array([off**2, off, np.ones(len(off))])
-    return np.asarray(terms.T @ np.array([1.0 / variance, -2.0 * own / variance, own**2 / variance]))

@@ -9,7 +9,7 @@ from pdr_est.types.track import Track
 
 NAME = "particle"
 
-_ROUNDS, _LEAST_M = 8, 1e-3  # of Weiszfeld's iteration, and the distance that counts at least
+_ROUNDS, _LEAST_M = 5, 1e-3  # of Weiszfeld's iteration, and the distance that counts at least
 _WALKABLE = 0.5  # probability from which on a pose counts as on the plan
 
 

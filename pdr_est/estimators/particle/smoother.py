@@ -103,7 +103,8 @@ def unrelated_finding(plan: FloorPlan, probability: float) -> Finding:
 def _smoothed(walk: WalkInput, model: PlanModel | None, filtered: ParticleWalk) -> Track:
     """Draw paths from the posterior and make the tracks of them."""
     rng = np.random.default_rng([walk.parameters.seed, 1])
-    poses, log_scale = simulate_backward(filtered.blocks, walk.parameters.paths, model, rng)
+    closed = [one.closure_sigma_m is not None for one in walk.timelines]
+    poses, log_scale = simulate_backward(filtered.blocks, closed, walk.parameters.paths, model, rng)
     grid = None if model is None else model.grid
     return concatenate(
         [

@@ -19,7 +19,7 @@ from pdr_est.estimators.particle.likelihoods import (
     with_source,
     with_wandering_error,
 )
-from pdr_est.estimators.particle.motion import chosen_turns_of, move_particles
+from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.number import wanted_number
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
@@ -82,7 +82,8 @@ class WalkFilter:
         state = self.cloud.state.copy()
         rows = state[DEVICE_ROWS * device : DEVICE_ROWS * (device + 1)]
         if self.plan is None:
-            move_particles(rows, node, chosen_turns_of(node, rows.shape[1], self._rng), self._rng)
+            motion = ParticleMotion.to(node)
+            motion.move(rows, motion.chosen(rows.shape[1], self._rng), self._rng)
             self.cloud = replace(self.cloud, state=state)
             return
         way = self.plan.move(rows, node, self._rng) / self.cloud.devices

@@ -43,8 +43,8 @@ class PlanGrid:
         rows, columns = self.walkable.shape
         column = ((east_m - self.origin_m[0]) * (1.0 / self.cell_m)).astype(np.int64)
         row = ((north_m - self.origin_m[1]) * (1.0 / self.cell_m)).astype(np.int64)
-        np.clip(column, 0, columns - 1, out=column)
-        np.clip(row, 0, rows - 1, out=row)
+        for index, count in ((column, columns), (row, rows)):
+            np.minimum(np.maximum(index, 0, out=index), count - 1, out=index)
         row *= columns
         row += column
         found: NDArray[np.float32] = self.walkable.ravel().take(row)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.particle.cloud import NORTH
-from pdr_est.estimators.particle.motion import chosen_turns_of, move_particles
+from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window, grid_of, segments_of, walkable_area_m2
 from pdr_est.estimators.particle.plan.wall_directions import WallDirections, wall_directions
@@ -96,8 +96,9 @@ class PlanModel:
         rng
             Source of random numbers.
         """
-        before, turns = rows.copy(), chosen_turns_of(node, rows.shape[1], rng)
-        move_particles(rows, node, turns, rng)
+        before, motion = rows.copy(), ParticleMotion.to(node)
+        turns = motion.chosen(rows.shape[1], rng)
+        motion.move(rows, turns, rng)
         log = np.zeros(rows.shape[1])
         if node.length_m <= 0.0:
             return log
@@ -109,7 +110,7 @@ class PlanModel:
             if not len(again):
                 break
             once = before[:, again]
-            move_particles(once, node, turns[again], rng)
+            motion.move(once, turns[again], rng)
             rows[:, again] = once
             again = again[self._meets_wall(before[:, again], once, rng)]
         log[again] = np.log(self.pass_probability)

@@ -57,8 +57,8 @@ class WallDirections:
         cells_across, cells_along = self.direction_rad.shape
         column = ((rows[0] - self.origin_m[0]) / self.cell_m).astype(np.int64)
         row = ((rows[1] - self.origin_m[1]) / self.cell_m).astype(np.int64)
-        np.clip(column, 0, cells_along - 1, out=column)
-        np.clip(row, 0, cells_across - 1, out=row)
+        for index, count in ((column, cells_along), (row, cells_across)):
+            np.minimum(np.maximum(index, 0, out=index), count - 1, out=index)
         off = rows[2] - self.direction_rad.ravel().take(row * cells_along + column)
         off -= np.pi * np.rint(off / np.pi)
         peak = ALONG * np.sqrt(0.5 * np.pi) / _SIGMA_RAD  # over the uniform density on half the circle
