@@ -130,7 +130,7 @@ def test_of_several_plans_none_is_chosen() -> None:
 
 def test_a_plan_in_other_units_is_refused() -> None:
     with pytest.raises(EstimationError, match="check its units"):
-        particles([*steps(3), plan_of((0.0, 0.0, 1e6, 1e6))])
+        grid_of(plan_of((0.0, 0.0, 1e6, 1e6)), 0.2)
     with pytest.raises(EstimationError, match="no walkable area"):
         particles([*steps(3), FloorPlan("empty", (), NO_WALLS, 0.1)])
 
