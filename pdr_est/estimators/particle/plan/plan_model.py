@@ -9,8 +9,8 @@ from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.particle.cloud import NORTH
 from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.plan.nearest_walls import NearestWalls, nearest_walls
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window, grid_of, segments_of, walkable_area_m2
-from pdr_est.estimators.particle.plan.wall_directions import WallDirections, wall_directions
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan
 
@@ -47,7 +47,7 @@ class PlanModel:
 
     name: str
     grid: PlanGrid
-    directions: WallDirections | None
+    directions: NearestWalls | None
     free_path_m: float
     area_m2: float
     walkable_share: float
@@ -63,7 +63,7 @@ class PlanModel:
         return cls(
             name=plan.name,
             grid=grid,
-            directions=wall_directions(plan, grid),
+            directions=nearest_walls(plan, grid),
             free_path_m=np.pi * area_m2 / length_m,  # Cauchy's formula of the mean chord
             area_m2=area_m2,
             walkable_share=area_m2 / float(np.prod(np.ptp(walls.reshape(-1, 2), axis=0))),

@@ -26,7 +26,7 @@ _COARSER = 3  # cells of the plan's raster to one cell of the directions
 
 
 @dataclass(frozen=True)
-class WallDirections:
+class NearestWalls:
     """Raster of the direction of the nearest wall.
 
     Attributes
@@ -66,7 +66,7 @@ class WallDirections:
         return np.asarray(np.nan_to_num(np.log(ratio)) * (length_m / _LEG_M))
 
 
-def wall_directions(plan: FloorPlan, grid: PlanGrid) -> WallDirections | None:
+def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
     """Make the raster of directions of a plan; None for a plan without walls that are long enough."""
     cell_m = _COARSER * grid.cell_m
     shape = tuple(int(np.ceil(n / _COARSER)) for n in grid.walkable.shape)
@@ -89,4 +89,4 @@ def wall_directions(plan: FloorPlan, grid: PlanGrid) -> WallDirections | None:
     distance, nearest = ndimage.distance_transform_edt(np.isnan(field), return_indices=True)
     direction = field[nearest[0], nearest[1]]
     direction[distance * cell_m > _FAR_M] = np.nan
-    return WallDirections(direction, grid.origin_m, cell_m)
+    return NearestWalls(direction, grid.origin_m, cell_m)
