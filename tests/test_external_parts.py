@@ -567,6 +567,6 @@ def test_a_given_estimator_must_fit_the_walk(user: ModuleType, recording: Record
 
 def test_the_table_names_every_estimator() -> None:
     assert list(SPECS) == [spec.name for spec in SPECS.values()]
-    assert [name for name, spec in SPECS.items() if spec.smooths] == ["factor-graph"]
-    assert [name for name, spec in SPECS.items() if spec.online] == ["ekf", "fixed-lag"]
+    assert [name for name, spec in SPECS.items() if spec.smooths] == ["factor-graph", "particle"]
+    assert [name for name, spec in SPECS.items() if spec.online] == ["ekf", "fixed-lag", "particle"]
     assert EstimatorSpec("mine") == EstimatorSpec("mine", uses_fixes=True)

@@ -19,7 +19,7 @@ ORDER: list[set[str]] = [
     {"parts"},
     {"types"},
     # The five wings, which never see each other. Inside a wing the same rule holds.
-    {"io.text", "clock_sync", "front_end.signal", "estimators.common", "simulate"},
+    {"io.text", "clock_sync", "front_end.signal", "estimators.common", "estimators.spec", "simulate"},
     {"estimators.reckoned_poses"},
     {
         "io.conversion",
@@ -37,6 +37,7 @@ ORDER: list[set[str]] = [
         "estimators.fixed_lag",
         "estimators.robust_dr",
         "estimators.heading_chain",
+        "estimators.particle",
     },
     {"io.floor_plans"},
     {"io", "front_end.gait", "estimators"},

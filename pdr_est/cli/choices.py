@@ -6,7 +6,7 @@ whose loading would make every help text and every completion of a word ten time
 
 from types import MappingProxyType
 
-ESTIMATORS = ("dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag")
+ESTIMATORS = ("dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag", "particle")
 DETECTORS = (
     "auto",
     "mmpdr",

@@ -11,6 +11,7 @@ from pdr_est.estimators import ESTIMATORS, Estimator, estimator_named
 from pdr_est.estimators.common.fix_noise import FixNoiseParams
 from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.front_end.attitude import AttitudeParams
 from pdr_est.front_end.gait import GaitParams
@@ -82,9 +83,12 @@ class EstimatorParams:
     fixed_lag: FixedLagParams = FixedLagParams()
     """Parameters of the estimator fixed-lag."""
 
+    particle: ParticleParams = ParticleParams()
+    """Parameters of the estimator particle."""
+
     def make(self) -> Estimator:
         """Make the estimator. Raises PartError for one from outside the package that cannot be made."""
-        return estimator_named(self.name, self.parameters, self.map_fusion, self.fixed_lag)
+        return estimator_named(self.name, self.parameters, self.map_fusion, self.fixed_lag, self.particle)
 
 
 @params

@@ -12,6 +12,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators.built_in import SPECS, BuiltInEstimator, EstimatorSettings
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.robust_dr.params import MapFusionParams
 from pdr_est.estimators.spec import Estimator, EstimatorSpec, OnlineEstimator, OnlineFilter, OnlinePose
 from pdr_est.parts import ESTIMATOR, is_external, named_part
@@ -37,12 +38,14 @@ __all__ = [
     "timelines_of",
 ]
 
-EstimatorName = Literal["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
+EstimatorName = Literal[
+    "dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag", "particle"
+]
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 """Names of the estimators of the package, which are the keys of `SPECS`."""
 
 _NO_PARAMETERS: Mapping[str, Any] = {}
-_MAP_FUSION, _FIXED_LAG = MapFusionParams(), FixedLagParams()
+_MAP_FUSION, _FIXED_LAG, _PARTICLE = MapFusionParams(), FixedLagParams(), ParticleParams()
 
 
 def estimator_named(
@@ -50,6 +53,7 @@ def estimator_named(
     parameters: Mapping[str, Any] = _NO_PARAMETERS,
     map_fusion: MapFusionParams = _MAP_FUSION,
     fixed_lag: FixedLagParams = _FIXED_LAG,
+    particle: ParticleParams = _PARTICLE,
 ) -> Estimator:
     """Make an estimator.
 
@@ -59,7 +63,7 @@ def estimator_named(
         One of `ESTIMATORS`, or the dotted name, `module:attribute`, of one from outside the package.
     parameters
         Arguments of the class or function that a dotted name stands for.
-    map_fusion, fixed_lag
+    map_fusion, fixed_lag, particle
         Parameters of the estimators of the package.
 
     Raises
@@ -74,7 +78,7 @@ def estimator_named(
         return own
     if name not in SPECS:
         raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")
-    return BuiltInEstimator(SPECS[name], EstimatorSettings(map_fusion, fixed_lag))
+    return BuiltInEstimator(SPECS[name], EstimatorSettings(map_fusion, fixed_lag, particle))
 
 
 def estimate_walk(
@@ -85,6 +89,7 @@ def estimate_walk(
     tethers: Sequence[DeviceTether] = (),
     map_fusion: MapFusionParams = _MAP_FUSION,
     fixed_lag: FixedLagParams = _FIXED_LAG,
+    particle: ParticleParams = _PARTICLE,
 ) -> Track:
     """Estimate the tracks of all devices of one walk by an estimator of the package.
 
@@ -101,15 +106,15 @@ def estimate_walk(
         Standard deviation of the walker's length scale.
     tethers
         Tethers between the devices.
-    map_fusion, fixed_lag
-        Parameters of map-closed-form and map-general, and of fixed-lag.
+    map_fusion, fixed_lag, particle
+        Parameters of map-closed-form and map-general, of fixed-lag, and of particle.
 
     Raises
     ------
     EstimationError
         For odometry out of order, a tether to an unknown device, or a graph without a unique solution.
     """
-    estimator = estimator_named(name, map_fusion=map_fusion, fixed_lag=fixed_lag)
+    estimator = estimator_named(name, map_fusion=map_fusion, fixed_lag=fixed_lag, particle=particle)
     return estimator.estimate(devices, tethers, start, sigma_length_scale)
 
 

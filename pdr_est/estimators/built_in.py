@@ -7,10 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
+from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.robust_dr.params import MapFusionParams
-from pdr_est.estimators.spec import EstimatorSpec
+from pdr_est.estimators.spec import EstimatorSpec, OnlineFilter
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, StartPose
 from pdr_est.types.track import Track, concatenate
 
@@ -25,10 +27,13 @@ class EstimatorSettings:
         Parameters of map-closed-form and map-general.
     fixed_lag
         Parameters of fixed-lag.
+    particle
+        Parameters of particle.
     """
 
     map_fusion: MapFusionParams
     fixed_lag: FixedLagParams
+    particle: ParticleParams
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,23 @@ class BuiltInEstimator:
             return track
         return concatenate([track.of_device(name) for name in names])
 
+    @property
+    def has_filter(self) -> bool:
+        """Tell whether `begin` makes an online filter; the others that work online are part of the tracker."""
+        return self.spec.name in _FILTERS
+
+    def begin(self, devices: Sequence[str], start: StartPose, sigma_length_scale: float) -> OnlineFilter:
+        """Make the filter of a walk, as the contract says.
+
+        Raises
+        ------
+        EstimationError
+            For an estimator without a filter of its own.
+        """
+        if not self.has_filter:
+            raise EstimationError(f"the estimator {self.spec.name} has no filter of its own: use it by a Tracker")
+        return _FILTERS[self.spec.name](devices, start, sigma_length_scale, self.settings)
+
     def _estimate_checked(
         self,
         devices: Sequence[DeviceMeasurements],
@@ -92,9 +114,9 @@ class BuiltInEstimator:
         start: StartPose,
         sigma_length_scale: float,
     ) -> Track:
-        walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings)
+        walk = _Walk(timelines_of(devices, tethers), tethers, start, sigma_length_scale, self.settings, devices)
         call = _CALLS[self.spec.name]
-        if not self.spec.smooths:
+        if not self.spec.smooths or self.spec.weighs_alternatives:
             return call(walk)
         from pdr_est.estimators.alternatives import alternatives_of, estimate_alternatives
 
@@ -123,6 +145,7 @@ class _Walk:
     start: StartPose
     sigma_length_scale: float
     settings: EstimatorSettings
+    devices: Sequence[DeviceMeasurements]
     start_headings_rad: Sequence[float | None] = ()
 
 
@@ -170,6 +193,22 @@ def _fixed_lag(walk: _Walk) -> Track:
     return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, walk.settings.fixed_lag)
 
 
+def _particle(walk: _Walk) -> Track:
+    from pdr_est.estimators.particle.smoother import estimate, plan_of
+
+    settings = walk.settings.particle
+    plan = plan_of(walk.devices)
+    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, plan, settings)
+
+
+def _particle_filter(
+    devices: Sequence[str], start: StartPose, sigma_length_scale: float, settings: EstimatorSettings
+) -> OnlineFilter:
+    from pdr_est.estimators.particle.online_filter import ParticleOnlineFilter
+
+    return ParticleOnlineFilter(devices, start, sigma_length_scale, settings.particle)
+
+
 _TABLE: tuple[tuple[EstimatorSpec, Callable[[_Walk], Track]], ...] = (
     (EstimatorSpec("dead-reckoning", uses_fixes=False), _dead_reckoning),
     (EstimatorSpec("map-closed-form", uses_fixes=False, uses_tethers=True), _map_closed_form),
@@ -180,9 +219,26 @@ _TABLE: tuple[tuple[EstimatorSpec, Callable[[_Walk], Track]], ...] = (
         _factor_graph,
     ),
     (EstimatorSpec("fixed-lag", online=True, delayed=True, uses_tethers=True), _fixed_lag),
+    (
+        EstimatorSpec(
+            "particle",
+            smooths=True,
+            online=True,
+            uses_closure=True,
+            uses_tethers=True,
+            uses_plan=True,
+            weighs_alternatives=True,
+            sampled=True,
+        ),
+        _particle,
+    ),
 )
 
 SPECS: Mapping[str, EstimatorSpec] = MappingProxyType({spec.name: spec for spec, _ in _TABLE})
 """Abilities of the estimators of the package, by name."""
 
 _CALLS: Mapping[str, Callable[[_Walk], Track]] = MappingProxyType({spec.name: call for spec, call in _TABLE})
+
+_FILTERS: Mapping[str, Callable[[Sequence[str], StartPose, float, EstimatorSettings], OnlineFilter]] = (
+    MappingProxyType({"particle": _particle_filter})
+)

@@ -45,6 +45,12 @@ class EstimatorSpec:
         It makes use of tethers between devices.
     uses_plan
         It makes use of a `FloorPlan`, which then stands among the measurements of each device.
+    weighs_alternatives
+        It weighs by itself what the measurements leave open, such as a start heading that nobody gave. Any other
+        smoother of the package works on one alternative at a time (`estimators/alternatives`).
+    sampled
+        Its result is that of random samples, exact up to their number: mean and covariance of a posterior that need
+        not be Gaussian.
     needs_gtsam
         It loads gtsam, which takes about a second.
     """
@@ -57,6 +63,8 @@ class EstimatorSpec:
     uses_closure: bool = False
     uses_tethers: bool = False
     uses_plan: bool = False
+    weighs_alternatives: bool = False
+    sampled: bool = False
     needs_gtsam: bool = False
 
 

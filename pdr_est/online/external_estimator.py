@@ -9,12 +9,12 @@ import numpy as np
 
 from pdr_est.config import Config
 from pdr_est.errors import ConfigError
-from pdr_est.estimators import OnlineEstimator, OnlineFilter, OnlinePose
+from pdr_est.estimators import BuiltInEstimator, OnlineEstimator, OnlineFilter, OnlinePose
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.update import PoseEstimate
 from pdr_est.online.walk_estimator import FilteredPose
-from pdr_est.parts import Parts, is_external
+from pdr_est.parts import Parts
 from pdr_est.pipeline.estimation import chosen_estimator
 from pdr_est.types.measurements import HeadingPrior, LoopClosure, PositionFix, StepOdometry
 from pdr_est.types.steps import CarryingMode
@@ -179,13 +179,13 @@ class ExternalWalkEstimator:
 
 
 def external_estimator(config: Config, parts: Parts, online: OnlineParams) -> ExternalWalkEstimator | None:
-    """Make the external estimator that was given or configured; None for an estimator of the package.
+    """Make an estimator with a filter of its own that was given or configured; None for the others of the package.
 
     Raises ConfigError for one that does not work online.
     """
-    if parts.estimator is None and not is_external(config.estimator.name):
-        return None
     estimator = chosen_estimator(config, parts)
+    if isinstance(estimator, BuiltInEstimator) and not estimator.has_filter:
+        return None
     if not estimator.spec.online or not hasattr(estimator, "begin"):
         raise ConfigError(
             f"the estimator {estimator.spec.name} does not work online (spec.online = {estimator.spec.online}"

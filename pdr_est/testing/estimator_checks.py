@@ -26,6 +26,7 @@ from pdr_est.types.track import Track
 _STEPS, _STEP_S, _STEP_M = 40, 0.5, 0.7
 _START = StartPose((3.0, -2.0), 0.3, 0.2, 0.05)
 _SIGMA_SCALE = 0.1
+_SAMPLING = 0.3  # of its own standard deviation, by which an estimator that samples may miss a mean
 _COVARIANCE = np.diag([0.07, 0.09, 0.03]) ** 2
 
 
@@ -63,7 +64,7 @@ def check_estimator(estimator: Any) -> None:
         _check_closure(estimator)
     if spec.uses_tethers:
         _check_tethers(estimator)
-    if spec.online and not isinstance(estimator, BuiltInEstimator):
+    if spec.online and (not isinstance(estimator, BuiltInEstimator) or estimator.has_filter):
         _check_online(estimator)
 
 
@@ -112,9 +113,11 @@ def _check_track(estimator: Any) -> None:
     for step in _steps():
         heading += step.heading_change_rad
         expected.append(expected[-1] + step.length_m * np.array([np.cos(heading), np.sin(heading)]))
-    off_m = float(np.linalg.norm(track.position_m - np.array(expected), axis=1).max())
-    assert off_m < 1e-3, f"{name}: without fixes the track is {off_m:.3f} m off that of the steps"
     spread = np.trace(track.covariance_m2, axis1=1, axis2=2)
+    allowed_m = 1e-3 + (_SAMPLING * np.sqrt(spread) if estimator.spec.sampled else 0.0)
+    beyond_m = np.linalg.norm(track.position_m - np.array(expected), axis=1) - allowed_m
+    off_m = float(np.linalg.norm(track.position_m - np.array(expected), axis=1).max())
+    assert beyond_m.max() <= 0.0, f"{name}: without fixes the track is {off_m:.3f} m off that of the steps"
     assert spread[-1] > spread[0], f"{name}: without fixes the uncertainty does not grow"
 
 
@@ -155,7 +158,8 @@ def _check_walk_without_steps(estimator: Any) -> None:
     track = _run(estimator, [DeviceMeasurements("phone", 0.0, ())])
     assert len(track) == 1, f"{_name(estimator)}: a walk without steps has {len(track)} poses: it must have its start"
     off_m = float(np.linalg.norm(track.position_m[0] - np.array(_START.position_m)))
-    assert off_m < 1e-6, f"{_name(estimator)}: a walk without steps is {off_m:.3g} m off its start"
+    allowed_m = _SAMPLING * _START.sigma_position_m if estimator.spec.sampled else 1e-6
+    assert off_m < allowed_m, f"{_name(estimator)}: a walk without steps is {off_m:.3g} m off its start"
 
 
 def _check_several_devices(estimator: Any) -> None:

@@ -37,6 +37,9 @@ class FindingKind(StrEnum):
     NORTH = "north"
     """The device's knowledge of north: disturbed, or in contradiction to the rest."""
 
+    PLAN = "plan"
+    """A floor plan that does not fit the walk, or a place on it that is not decided."""
+
 
 @dataclass(frozen=True)
 class Finding:

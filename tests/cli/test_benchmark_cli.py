@@ -10,7 +10,7 @@ import pytest
 from cli_recordings import Walk, ilc20_log, save
 from cli_runs import PROGRAM, interrupt, refused, run
 
-ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag"]
+ESTIMATORS = ["dead-reckoning", "map-closed-form", "map-general", "ekf", "factor-graph", "fixed-lag", "particle"]
 LENGTH_MODELS = ["auto", "harmonic", "walk-run", "range-power", "static", "weinberg", "scarlett", "mmpdr"]
 LENGTH_MODELS += ["gait-table", "kim"]
 DETECTORS = ["auto", "mmpdr", "uptime-fsm", "relative-threshold", "local-variance", "zero-crossing"]

@@ -12,7 +12,7 @@ import pytest
 from estimator_walks import STEP_S, fix, run, simulate, step, straight, usual_covariance, winding
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import ESTIMATORS, EstimatorName, estimate_track
+from pdr_est.estimators import ESTIMATORS, SPECS, EstimatorName, estimate_track
 from pdr_est.estimators.factor_graph.smoother import LARGE_STACK_POSES
 from pdr_est.types.measurements import Measurement, StartPose, StepOdometry
 from pdr_est.types.track import Track
@@ -46,8 +46,10 @@ def test_next_to_no_walk(
 @every_estimator
 def test_no_step_and_fixes_is_their_mean(name: EstimatorName) -> None:
     track = run(name, [fix(0, 4.5, 5.0, 0.4), fix(1, 5.5, 5.0, 0.4)], StartPose(heading_rad=1.0))
-    assert track.position_m[0] == pytest.approx([5.0, 5.0], abs=1e-3)
-    assert track.covariance_m2[0] == pytest.approx(0.08 * np.eye(2), rel=1e-3, abs=1e-6)
+    sampled = SPECS[name].sampled
+    assert track.position_m[0] == pytest.approx([5.0, 5.0], abs=0.1 if sampled else 1e-3)
+    off = 0.03 if sampled else 1e-6
+    assert track.covariance_m2[0] == pytest.approx(0.08 * np.eye(2), rel=1e-3, abs=off)
 
 
 def around_a_gap(gap_m: float, sigma_turn_rad: float) -> list[Measurement]:

@@ -7,14 +7,14 @@ import pytest
 from estimator_walks import DEVICE, STEP_S, fix, heading_prior, run, simulate, step, straight, turned, winding
 
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import ESTIMATORS, EstimatorName
+from pdr_est.estimators import ESTIMATORS, SPECS, EstimatorName
 from pdr_est.estimators.common.initial_state import late_start_donor
 from pdr_est.estimators.common.timeline import build_timeline
 from pdr_est.estimators.kalman.offline_filter import run_filter
 from pdr_est.frames import Array, rotation_matrix, wrap_angle
 from pdr_est.types.measurements import Measurement, PositionFix, StartPose
 
-every_estimator = pytest.mark.parametrize("name", ESTIMATORS)
+every_estimator = pytest.mark.parametrize("name", [name for name in ESTIMATORS if not SPECS[name].sampled])
 with_fixes = pytest.mark.parametrize("name", ["ekf", "factor-graph"])
 UNIFORM_RAD = np.pi / np.sqrt(3.0)
 

@@ -1,0 +1,1 @@
+"""Particle filter and smoother: the posterior of a walk where it is not Gaussian, such as on a floor plan."""

@@ -1,0 +1,94 @@
+"""Weighted particles of a walk, with the state of every device of the walker, and how they are resampled.
+
+A particle is one column of an array. Each device has eight rows: east m, north m, heading rad, logarithm of the
+length scale, mean and variance of the direction that relative headings count from, and east and north of where it
+began, to which closed walks return. That direction is not sampled: given the headings of a particle it is Gaussian,
+and each particle carries its Kalman filter (Rao-Blackwellisation). The same holds for the wandering error of a source
+of fixes given the positions: two rows for its mean in metres, while its variance is common to all particles.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.frames import Array
+
+DEVICE_ROWS = 8
+"""Number of rows of a device."""
+
+EAST, NORTH, HEADING, LOG_SCALE, REFERENCE, REFERENCE_VARIANCE, START_EAST, START_NORTH = range(DEVICE_ROWS)
+
+
+@dataclass(frozen=True)
+class WanderingSource:
+    """Wandering error of a source of fixes: its time, and its variance in each coordinate, m²."""
+
+    name: str
+    device: int
+    time_s: float
+    sigma_m: float
+    covariance_m2: Array
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Weighted particles.
+
+    Attributes
+    ----------
+    state
+        (rows, n) states.
+    log_weight
+        (n,) logarithms of the weights, up to a constant.
+    sources
+        Sources of fixes with wandering errors, whose means are the last rows.
+    devices
+        Number of devices.
+    """
+
+    state: Array
+    log_weight: Array
+    devices: int
+    sources: tuple[WanderingSource, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return int(self.state.shape[1])
+
+    def device(self, number: int) -> Array:
+        """Return a view of the rows (8, n) of a device."""
+        return self.state[DEVICE_ROWS * number : DEVICE_ROWS * (number + 1)]
+
+    def source_rows(self, number: int) -> slice:
+        """Return the rows of the mean error of a source."""
+        begin = DEVICE_ROWS * self.devices + 2 * number
+        return slice(begin, begin + 2)
+
+    @property
+    def weights(self) -> Array:
+        """Weights (n,), which add up to 1."""
+        weights = np.exp(self.log_weight - self.log_weight.max())
+        return np.asarray(weights / weights.sum())
+
+
+def effective(weights: Array) -> float:
+    """Return the effective number of particles with these weights (n,), which add up to 1."""
+    return 1.0 / float(weights @ weights)
+
+
+def systematic(weights: Array, count: int, uniform: float) -> NDArray[np.int64]:
+    """Return the indices (count,) of particles that systematic resampling takes.
+
+    Parameters
+    ----------
+    weights
+        Weights (n,), which add up to 1.
+    count
+        Number of particles to take.
+    uniform
+        Random number between 0 and 1.
+    """
+    places = (np.arange(count) + uniform) / count
+    total = np.cumsum(weights)
+    taken = np.searchsorted(total, places * total[-1], side="right")
+    return np.asarray(np.minimum(taken, len(weights) - 1), dtype=np.int64)

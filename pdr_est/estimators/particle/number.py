@@ -1,0 +1,36 @@
+"""Number of particles that a posterior needs, after how far it is spread.
+
+References
+----------
+D. Fox, "Adapting the sample size in particle filters through KLD-sampling", Int. J. Robotics Research 22 (2003).
+"""
+
+import numpy as np
+
+from pdr_est.estimators.particle.cloud import DEVICE_ROWS, EAST, HEADING, NORTH, Cloud
+from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.frames import Array
+
+_BIN_M, _BIN_RAD = 1.0, 0.35  # of the histogram: half the width of a corridor, and a quarter of a right angle
+_ERROR = 0.1  # bound of the Kullback-Leibler distance to the histogram of the posterior
+_QUANTILE = 1.645  # of the normal distribution: the bound holds with a probability of 95 %
+
+
+def wanted_number(cloud: Cloud, weights: Array, parameters: ParticleParams) -> int:
+    """Return the number of particles to go on with."""
+    probable = weights > 0.01 / len(weights)
+    cells = np.zeros(int(probable.sum()), dtype=np.int64)
+    for device in range(cloud.devices):
+        for row, size in ((EAST, _BIN_M), (NORTH, _BIN_M), (HEADING, _BIN_RAD)):
+            bins = np.floor(cloud.state[DEVICE_ROWS * device + row, probable] / size).astype(np.int64)
+            cells = cells * 2053 + (bins - bins.min())
+    most = max(parameters.most_particles, min(len(cloud), parameters.most_start_particles) // 2)
+    return int(np.clip(kld_number(len(np.unique(cells))), parameters.least_particles, most))
+
+
+def kld_number(bins: int) -> int:
+    """Return the number of particles for which the histogram of so many occupied bins is as exact as wanted."""
+    if bins < 2:
+        return 1
+    share = 2.0 / (9.0 * (bins - 1))
+    return int(np.ceil((bins - 1) / (2.0 * _ERROR) * (1.0 - share + np.sqrt(share) * _QUANTILE) ** 3))

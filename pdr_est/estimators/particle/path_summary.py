@@ -1,0 +1,63 @@
+"""Track of a device from paths drawn from the posterior: poses, covariances about them, and samples of the region."""
+
+import numpy as np
+
+from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
+from pdr_est.frames import Array, wrap_angle
+from pdr_est.types.track import Track
+
+NAME = "particle"
+
+_ROUNDS, _LEAST_M = 5, 1e-3  # of Weiszfeld's iteration, and the distance that counts at least
+_WALKABLE = 0.5  # probability from which on a pose counts as on the plan
+
+
+def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, grid: PlanGrid | None) -> Track:
+    """Make the smoothed track of a device.
+
+    Without a plan a pose is the mean of the paths. On a plan, the mean of ways round a wall may be inside of it: a
+    pose is then the geometric median, which has the least mean distance from the paths, and where that is not
+    walkable, the nearest walkable point of a path.
+
+    Parameters
+    ----------
+    timeline
+        Timeline with n nodes.
+    poses
+        (n, 3, paths) east, north and heading of each path at each node.
+    log_scale
+        (paths,) logarithms of the length scale.
+    grid
+        Raster of the plan, or None.
+    """
+    place = poses[:, :2]
+    position = place.mean(axis=2) if grid is None else _on_plan(geometric_median(place), place, grid)
+    vector = np.exp(1j * poses[:, 2]).mean(axis=1)
+    heading = np.angle(vector)
+    off = np.concatenate([place - position[:, :, None], wrap_angle(poses[:, 2] - heading[:, None])[:, None]], axis=1)
+    covariance = off @ off.transpose(0, 2, 1) / poses.shape[2]
+    scale = np.exp(log_scale)
+    found = float(scale.mean()), float(scale.std())
+    return track_from_nodes(timeline, position, heading, covariance, "smoothed", NAME, found)
+
+
+def geometric_median(points: Array) -> Array:
+    """Return the points (n, 2) of least mean distance from sets of points (n, 2, k), by Weiszfeld's iteration."""
+    centre = points.mean(axis=2)
+    for _ in range(_ROUNDS):
+        distance = np.hypot(points[:, 0] - centre[:, :1], points[:, 1] - centre[:, 1:])
+        weight = 1.0 / np.maximum(distance, _LEAST_M)
+        centre = np.asarray((points * weight[:, None]).sum(axis=2) / weight.sum(axis=1)[:, None])
+    return np.asarray(centre)
+
+
+def _on_plan(position: Array, place: Array, grid: PlanGrid) -> Array:
+    """Return positions (n, 2), those off the plan moved to the nearest walkable point of a path (n, 2, k)."""
+    position = position.copy()
+    for row in np.flatnonzero(grid.at(position[:, 0], position[:, 1]) < _WALKABLE):
+        walkable = place[row][:, grid.at(place[row, 0], place[row, 1]) >= _WALKABLE]
+        if walkable.shape[1]:
+            nearest = np.argmin(np.hypot(*(walkable - position[row][:, None])))
+            position[row] = walkable[:, nearest]
+    return position

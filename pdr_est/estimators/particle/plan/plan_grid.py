@@ -1,0 +1,155 @@
+"""Raster of a floor plan: how probable it is that a point is walkable, for many points at once.
+
+The plan is drawn into square cells by the even-odd rule. The drawing may be off by its standard deviation; blurring
+the raster by a Gaussian of that size gives, at each point, the probability that the point is walkable when the
+drawing is shifted by such an error: beside a long wall it is the normal distribution function of the distance to it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from pdr_est.errors import EstimationError
+from pdr_est.frames import Array
+from pdr_est.types.floor_plan import FloorPlan
+
+_MARGIN_CELLS = 2
+_MOST_CELLS = 40_000_000  # which bounds the memory
+
+
+@dataclass(frozen=True)
+class PlanGrid:
+    """Raster of a floor plan.
+
+    Attributes
+    ----------
+    walkable
+        (rows, columns) probability that the centre of a cell is walkable; row 0 is the southernmost. The outermost
+        cells are not walkable.
+    origin_m
+        (2,) east and north of the south-western corner, m.
+    cell_m
+        Size of a cell, m.
+    """
+
+    walkable: NDArray[np.float32]
+    origin_m: Array
+    cell_m: float
+
+    def at(self, east_m: Array, north_m: Array) -> NDArray[np.float32]:
+        """Return the probability that points (any shape) are walkable; it is 0 outside the plan."""
+        rows, columns = self.walkable.shape
+        column = ((east_m - self.origin_m[0]) * (1.0 / self.cell_m)).astype(np.int64)
+        row = ((north_m - self.origin_m[1]) * (1.0 / self.cell_m)).astype(np.int64)
+        for index, count in ((column, columns), (row, rows)):
+            np.minimum(np.maximum(index, 0, out=index), count - 1, out=index)
+        row *= columns
+        row += column
+        found: NDArray[np.float32] = self.walkable.ravel().take(row)
+        return found
+
+    def along(
+        self, begin_m: tuple[Array, Array], end_m: tuple[Array, Array], longest_m: float
+    ) -> NDArray[np.float32]:
+        """Return the least probability of a point on each of n straight ways, without their beginnings.
+
+        Parameters
+        ----------
+        begin_m, end_m
+            East and north (n,) of the ends of the ways, m.
+        longest_m
+            Length of the longest way, m, after which the distance of the points is chosen.
+        """
+        points = max(int(np.ceil(longest_m / self.cell_m)), 1)
+        share = (np.arange(1, points + 1) / points)[:, None]
+        east_m = begin_m[0] + share * (end_m[0] - begin_m[0])
+        north_m = begin_m[1] + share * (end_m[1] - begin_m[1])
+        least: NDArray[np.float32] = self.at(east_m, north_m).min(axis=0)
+        return least
+
+
+Window = tuple[Array, Array]
+"""South-western and north-eastern corner of a part of a plan, m."""
+
+
+def grid_of(plan: FloorPlan, cell_m: float, window_m: Window | None = None) -> PlanGrid:
+    """Draw a floor plan into a raster, or the part of it inside a window.
+
+    Raises EstimationError for a plan without area, and for one that is too large for cells of that size.
+    """
+    outlines = _rings(plan)
+    if not outlines:
+        raise EstimationError(f"floor plan {plan.name!r} has no walkable area: give it at least one outline")
+    corners = np.concatenate(outlines)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    if window_m is not None:
+        low, high = np.clip(window_m[0], low, high), np.clip(window_m[1], low, high)
+    margin_m = (_MARGIN_CELLS + np.ceil(3.0 * plan.sigma_m / cell_m)) * cell_m
+    origin_m = low - margin_m
+    columns, rows = (int(n) for n in np.ceil((high - low + 2.0 * margin_m) / cell_m) + 1)
+    if rows * columns > _MOST_CELLS:
+        raise EstimationError(
+            f"floor plan {plan.name!r} is {high[0] - low[0]:.0f} m by {high[1] - low[1]:.0f} m: too large for cells "
+            f"of {cell_m} m; check its units, or set larger cells"
+        )
+    inside = _filled([(ring - origin_m) / cell_m for ring in outlines], rows, columns)
+    walkable = inside.astype(np.float32)
+    if plan.sigma_m > 0.0:
+        ndimage.gaussian_filter(walkable, plan.sigma_m / cell_m, output=walkable, mode="constant", truncate=3.0)
+    walls = np.asarray(plan.walls_m, dtype=np.float64).reshape(-1, 2, 2)
+    _draw_walls(walkable, (walls - origin_m) / cell_m)
+    walkable[[0, -1]] = 0.0
+    walkable[:, [0, -1]] = 0.0
+    return PlanGrid(walkable, origin_m, cell_m)
+
+
+def segments_of(plan: FloorPlan) -> Array:
+    """Return all walls (n, 2, 2) of a plan, the borders of its areas among them: begin and end of each, m."""
+    borders = [np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in _rings(plan)]
+    return np.concatenate([*borders, np.asarray(plan.walls_m, dtype=np.float64).reshape(-1, 2, 2)])
+
+
+def walkable_area_m2(plan: FloorPlan) -> float:
+    """Return the area of the walkable ground of a plan, m²."""
+    return sum(_area_m2(area.outline_m) - sum(map(_area_m2, area.holes_m)) for area in plan.areas)
+
+
+def _area_m2(ring: Array) -> float:
+    east, north = np.asarray(ring, dtype=np.float64).reshape(-1, 2).T
+    return 0.5 * abs(float(east @ np.roll(north, -1) - north @ np.roll(east, -1)))
+
+
+def _rings(plan: FloorPlan) -> list[Array]:
+    """Return the outlines and holes (k, 2) of a plan that have an area."""
+    rings = [np.asarray(ring, dtype=np.float64) for area in plan.areas for ring in (area.outline_m, *area.holes_m)]
+    return [ring for ring in rings if len(ring) >= 3]
+
+
+def _filled(rings: list[Array], rows: int, columns: int) -> NDArray[np.bool_]:
+    """Return which cells (rows, columns) have their centre inside an odd number of rings (n, 2), in cells."""
+    begin = np.concatenate(rings)
+    end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    low, high = np.minimum(begin[:, 1], end[:, 1]), np.maximum(begin[:, 1], end[:, 1])
+    first = np.ceil(low - 0.5).astype(np.int64)
+    count = np.ceil(high - 0.5).astype(np.int64) - first  # rows whose centres an edge crosses
+    edge = np.repeat(np.arange(len(begin)), count)
+    row = first[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    slope = (end[edge, 0] - begin[edge, 0]) / (end[edge, 1] - begin[edge, 1])
+    crossing = begin[edge, 0] + (row + 0.5 - begin[edge, 1]) * slope
+    drawn = (row >= 0) & (row < rows) & (crossing < columns - 1)
+    row, column = row[drawn], np.maximum(np.ceil(crossing[drawn] - 0.5).astype(np.int64), 0)
+    toggles = np.bincount(row * columns + column, minlength=rows * columns).reshape(rows, columns)
+    return np.asarray(np.bitwise_and(np.cumsum(toggles.astype(np.uint8), axis=1, dtype=np.uint8), 1).astype(np.bool_))
+
+
+def _draw_walls(walkable: NDArray[np.float32], walls: Array) -> None:
+    """Make the cells not walkable that walls (n, 2, 2), in cells, touch, without gaps at their corners."""
+    for begin, end in walls:
+        share = np.linspace(0.0, 1.0, int(4.0 * np.abs(end - begin).max()) + 2)[:, None]
+        column, row = (begin + share * (end - begin)).T
+        for beside in ((0.0, 0.0), (0.35, 0.0), (0.0, 0.35)):
+            cells = np.floor([row + beside[0], column + beside[1]]).astype(np.int64)
+            inside = (cells >= 0).all(axis=0) & (cells[0] < walkable.shape[0]) & (cells[1] < walkable.shape[1])
+            walkable[cells[0, inside], cells[1, inside]] = 0.0

@@ -1,0 +1,146 @@
+"""Model of a floor plan for the ways of particles: walls, ground that is not walkable, and directions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pdr_est.estimators.common.nodes import Node
+from pdr_est.estimators.particle.cloud import NORTH
+from pdr_est.estimators.particle.motion import ParticleMotion
+from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.plan.nearest_walls import NearestWalls, nearest_walls
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window, grid_of, segments_of, walkable_area_m2
+from pdr_est.frames import Array
+from pdr_est.types.floor_plan import FloorPlan
+
+_TRIES = 3
+"""Number of draws of a step that leads through a wall; ours. A walker avoids a wall where the errors of the step
+leave room for it. Without further draws, a posterior prefers whatever meets few walls by chance: short steps, above
+all."""
+
+
+_PER_M2 = 5.0  # particles of a walk that may begin anywhere; ours
+
+
+@dataclass(frozen=True)
+class PlanModel:
+    """A floor plan in the form in which the filter looks it up.
+
+    Attributes
+    ----------
+    name
+        Name of the plan.
+    grid
+        Raster of the walkable ground.
+    directions
+        Directions of the nearest walls; None without any.
+    free_path_m
+        Mean length of straight ways on the walkable ground up to the next wall, m.
+    area_m2
+        Area of the walkable ground, m².
+    walkable_share
+        Share of the rectangle about the plan that is walkable.
+    pass_probability, stray_length_m
+        As in the settings.
+    """
+
+    name: str
+    grid: PlanGrid
+    directions: NearestWalls | None
+    free_path_m: float
+    area_m2: float
+    walkable_share: float
+    pass_probability: float
+    stray_length_m: float
+
+    @classmethod
+    def of(cls, plan: FloorPlan, parameters: ParticleParams, window_m: Window | None = None) -> "PlanModel":
+        """Make the model of a plan, or of the part of it inside a window that the walk cannot leave."""
+        grid = grid_of(plan, parameters.cell_m, window_m)
+        walls, area_m2 = segments_of(plan), walkable_area_m2(plan)
+        length_m = float(np.hypot(*(walls[:, 1] - walls[:, 0]).T).sum())
+        return cls(
+            name=plan.name,
+            grid=grid,
+            directions=nearest_walls(plan, grid),
+            free_path_m=np.pi * area_m2 / length_m,  # Cauchy's formula of the mean chord
+            area_m2=area_m2,
+            walkable_share=area_m2 / float(np.prod(np.ptp(walls.reshape(-1, 2), axis=0))),
+            pass_probability=parameters.pass_probability,
+            stray_length_m=parameters.stray_length_m,
+        )
+
+    def particles_anywhere(self, parameters: ParticleParams) -> int:
+        """Return the number of particles of a walk that may begin anywhere on the plan in any direction."""
+        count = int(np.ceil(_PER_M2 * self.area_m2))
+        return min(max(count, parameters.most_particles), parameters.most_start_particles)
+
+    def log_place(self, rows: Array) -> Array:
+        """Return the logarithms (n,) of the probabilities that a walker is in a place, at least that of passing."""
+        passing = self.pass_probability
+        return np.asarray(np.log(passing + (1.0 - passing) * self.grid.at(rows[0], rows[1])), dtype=np.float64)
+
+    def move(self, rows: Array, node: Node, rng: np.random.Generator) -> Array:
+        """Move the particles of a device over a motion, and return the log probabilities (n,) of their ways.
+
+        A step through a wall is drawn again; after the last draw the particle goes through, with the probability of
+        passing as its weight.
+
+        Parameters
+        ----------
+        rows
+            (8, n) rows of the device; they are changed.
+        node
+            Node that the motion leads to.
+        rng
+            Source of random numbers.
+        """
+        before, motion = rows.copy(), ParticleMotion.to(node)
+        turns = motion.chosen(rows.shape[1], rng)
+        motion.move(rows, turns, rng)
+        log = np.zeros(rows.shape[1])
+        if node.length_m <= 0.0:
+            return log
+        stays = self._off(before)
+        log[stays] = self._log_stray(before[:, stays], rows[:, stays])
+        again = np.flatnonzero(~stays)
+        again = again[self._meets_wall(before[:, again], rows[:, again], rng)]
+        for _ in range(_TRIES - 1):
+            if not len(again):
+                break
+            once = before[:, again]
+            motion.move(once, turns[again], rng)
+            rows[:, again] = once
+            again = again[self._meets_wall(before[:, again], once, rng)]
+        log[again] = np.log(self.pass_probability)
+        return log
+
+    def log_way(self, begin: tuple[Array, Array], end: tuple[Array, Array]) -> Array:
+        """Return the log probabilities (n,) of given straight ways, from and to east and north (n,), m.
+
+        A way is as probable as its least walkable point, at least as probable as passing a wall.
+        """
+        off = self.grid.at(*begin) < self.pass_probability
+        longest_m = float(np.hypot(end[0] - begin[0], end[1] - begin[1]).max(initial=0.0))
+        free = self.grid.along(begin, end, longest_m)
+        log = np.log(self.pass_probability + (1.0 - self.pass_probability) * free)
+        if off.any():
+            log[off] = self._log_stray(np.array(begin)[:, off], np.array(end)[:, off])
+        return np.asarray(log, dtype=np.float64)
+
+    def _off(self, rows: Array) -> NDArray[np.bool_]:
+        return np.asarray(self.grid.at(rows[0], rows[1]) < self.pass_probability)
+
+    def _log_stray(self, begin: Array, end: Array) -> Array:
+        """Return the log probabilities (n,) of ways that begin off the walkable ground, where walls are unknown."""
+        stays = np.exp(-np.hypot(*(end - begin)[: NORTH + 1]) / self.stray_length_m)
+        return np.asarray(np.log(stays + (1.0 - stays) * self.grid.at(end[0], end[1])))
+
+    def _meets_wall(self, begin: Array, end: Array, rng: np.random.Generator) -> NDArray[np.bool_]:
+        """Draw for n ways whether a wall is in them, by the probability that all their points are walkable."""
+        if not begin.shape[1]:
+            return np.zeros(0, dtype=np.bool_)
+        longest_m = float(np.hypot(*(end - begin)[: NORTH + 1]).max())
+        free = self.grid.along((begin[0], begin[1]), (end[0], end[1]), longest_m)
+        return np.asarray(rng.random(len(free)) >= free)

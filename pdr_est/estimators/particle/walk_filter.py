@@ -1,0 +1,184 @@
+"""Particle filter of a walk: nodes, measurements and tethers come in order of time and change the particles."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
+from pdr_est.estimators.common.nodes import Node
+from pdr_est.estimators.common.tethers import PairTether
+from pdr_est.estimators.particle.cloud import DEVICE_ROWS, HEADING, LOG_SCALE, Cloud, effective, systematic
+from pdr_est.estimators.particle.kernel import moved_by_kernel, roughened_scale
+from pdr_est.estimators.particle.likelihoods import (
+    closure_likelihood,
+    fix_likelihood,
+    heading_likelihood,
+    tether_likelihood,
+    with_reference,
+    with_source,
+    with_wandering_error,
+)
+from pdr_est.estimators.particle.motion import ParticleMotion
+from pdr_est.estimators.particle.number import wanted_number
+from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.plan.plan_model import PlanModel
+from pdr_est.frames import Array
+
+_RESAMPLED = 0.5  # share of effective particles below which they are resampled
+_STARVED = 0.1  # share of effective particles below which a measurement is taken in several parts
+_MOST_PARTS = 100  # of a measurement
+_SIGMA_ENTERING_M = 0.2  # of the place of a late device against that of another: the pace within a step is not known
+
+
+@dataclass
+class PlanFit:
+    """Evidence of the ways of a walk for the plan.
+
+    Attributes
+    ----------
+    log_evidence
+        Logarithm of the probability of all ways on the plan.
+    length_m
+        Length of these ways, m.
+    """
+
+    log_evidence: float = 0.0
+    length_m: float = 0.0
+
+    def add(self, weights: Array, log_way: Array, length_m: float) -> None:
+        """Add a step: weights (n,) of the particles, log probabilities (n,) of their ways, and its length, m."""
+        self.log_evidence += float(np.log(weights @ np.exp(log_way)))
+        self.length_m += length_m
+
+
+class WalkFilter:
+    """Particle filter of all devices of a walk.
+
+    Parameters
+    ----------
+    cloud
+        Particles at the start.
+    parameters
+        Settings.
+    plan
+        The plan, or None without one.
+    rng
+        Source of random numbers.
+    """
+
+    def __init__(
+        self, cloud: Cloud, parameters: ParticleParams, plan: PlanModel | None, rng: np.random.Generator
+    ) -> None:
+        self.cloud = cloud
+        self.plan = plan
+        self.fit = PlanFit()
+        self._parameters = parameters
+        self._rng = rng
+
+    def move(self, device: int, node: Node) -> None:
+        """Move the particles of a device over the motion that leads to a node, within the walls of the plan."""
+        self._resample_if_needed()
+        state = self.cloud.state.copy()
+        rows = state[DEVICE_ROWS * device : DEVICE_ROWS * (device + 1)]
+        if self.plan is None:
+            motion = ParticleMotion.to(node)
+            motion.move(rows, motion.chosen(rows.shape[1], self._rng), self._rng)
+            self.cloud = replace(self.cloud, state=state)
+            return
+        way = self.plan.move(rows, node, self._rng) / self.cloud.devices
+        self.fit.add(self.cloud.weights, way, node.length_m / self.cloud.devices)
+        if self.plan.directions is not None:
+            way = way + self.plan.directions.log_weight(rows, node.length_m) / self.cloud.devices
+        self.cloud = replace(self.cloud, state=state, log_weight=self.cloud.log_weight + way)
+
+    def begin(self, device: int) -> None:
+        """Weigh the particles of a device by whether their start is walkable on the plan."""
+        if self.plan is None:
+            return
+        rows = self.cloud.device(device)
+        log = self.plan.log_place(rows) / self.cloud.devices
+        self.fit.add(self.cloud.weights, log, 0.0)
+        self.fit.log_evidence -= float(np.log(self.plan.walkable_share)) / self.cloud.devices
+        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + log)
+
+    def measure(self, device: int, node: Node) -> None:
+        """Weigh the particles by the fixes and headings of a node."""
+        for prior in node.priors:
+            self._weigh(lambda cloud, one=prior: heading_likelihood(cloud, device, one))  # type: ignore[misc]
+            self.cloud = with_reference(self.cloud, device, prior)
+        for fix in node.fixes:
+            self.cloud, source = with_source(self.cloud, device, fix)
+            self._weigh(lambda cloud, one=fix, own=source: fix_likelihood(cloud, device, one, own))  # type: ignore[misc]
+            self.cloud = with_wandering_error(self.cloud, device, fix, source)
+
+    def tether(self, tethers: Sequence[PairTether]) -> None:
+        """Weigh the particles by tethers at the present poses."""
+        if tethers:
+            self._weigh(lambda cloud: tether_likelihood(cloud, tethers))
+
+    def close(self, device: int, sigma_m: float) -> None:
+        """Weigh the particles by the distance of the present pose of a device from its start."""
+        self._weigh(lambda cloud: closure_likelihood(cloud, device, sigma_m))
+
+    def enter(self, device: int, donor: int) -> None:
+        """Put a device that begins late where another one is."""
+        state = self.cloud.state.copy()
+        rows = state[DEVICE_ROWS * device : DEVICE_ROWS * (device + 1)]
+        rows[: HEADING + 1] = self.cloud.device(donor)[: HEADING + 1]
+        sigma = np.array([[_SIGMA_ENTERING_M], [_SIGMA_ENTERING_M], [SIGMA_INITIAL_HEADING_RAD]])
+        rows[: HEADING + 1] += sigma * self._rng.standard_normal((3, len(self.cloud)))
+        self.cloud = replace(self.cloud, state=state)
+
+    def add_device(self) -> None:
+        """Add a device that was not known when the walk began, with a pose of the first one."""
+        cloud, begin = self.cloud, DEVICE_ROWS * self.cloud.devices
+        state = np.concatenate([cloud.state[:begin], cloud.state[:DEVICE_ROWS], cloud.state[begin:]])
+        self.cloud = replace(cloud, state=state, devices=cloud.devices + 1)
+
+    def _resample_if_needed(self) -> None:
+        weights = self.cloud.weights
+        if effective(weights) >= _RESAMPLED * len(weights):
+            return
+        count = wanted_number(self.cloud, weights, self._parameters)
+        kept = systematic(weights, count, float(self._rng.random()))
+        state = self.cloud.state[:, kept]
+        for device in range(self.cloud.devices):
+            row = DEVICE_ROWS * device + LOG_SCALE
+            state[row] = roughened_scale(state[row], self._rng)
+        self.cloud = replace(self.cloud, state=state, log_weight=np.zeros(count))
+
+    def _weigh(self, likelihood: Callable[[Cloud], Array]) -> None:
+        """Multiply the weights by a likelihood, in several parts where few particles would be left.
+
+        After each part the particles are resampled and moved by a kernel, so that they follow the likelihood to where
+        there were few of them (progressive correction).
+        """
+        left = 1.0
+        for _ in range(_MOST_PARTS):
+            log = likelihood(self.cloud)
+            part = _largest_part(self.cloud.log_weight, log, left)
+            self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + part * log)
+            left -= part
+            if left <= 1e-9:
+                return
+            self.cloud = moved_by_kernel(self.cloud, self._rng, None if self.plan is None else self.plan.grid)
+        log = likelihood(self.cloud)
+        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + left * log)
+
+
+def _largest_part(log_weight: Array, log: Array, left: float) -> float:
+    """Return the largest part of a likelihood, at most `left`, that leaves enough effective particles."""
+
+    def enough(part: float, share: float) -> bool:
+        total = log_weight + part * log
+        weights = np.exp(total - total.max())
+        return effective(weights / weights.sum()) >= share * len(weights)
+
+    if enough(left, _STARVED):
+        return left
+    low, high = 0.0, left
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if enough(middle, _RESAMPLED * 0.5) else (low, middle)
+    return low
