@@ -1,6 +1,6 @@
 """Height of the walker over time, and the floors: what the air pressure tells."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -36,6 +36,33 @@ class VerticalMove:
     kind: MoveKind
     rise_m: float
     sigma_m: float
+
+
+@dataclass(frozen=True)
+class WalkerHeight:
+    """Height and floor of the walker at one time.
+
+    Attributes
+    ----------
+    time_s
+        Time, s.
+    height_m, sigma_m
+        Height above the floor at the start, and its standard deviation, m.
+    floor
+        Number of the nearest floor, counted from that at the start, which is 0.
+    floor_probability
+        Probability of that number.
+    """
+
+    time_s: float
+    height_m: float
+    sigma_m: float
+    floor: int
+    floor_probability: float
+
+    def equals(self, other: "WalkerHeight | None") -> bool:
+        """Tell whether height and floor are the same at another time."""
+        return other is not None and replace(other, time_s=self.time_s) == self
 
 
 @dataclass(frozen=True)

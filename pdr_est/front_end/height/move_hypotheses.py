@@ -7,7 +7,7 @@ moves alone: no drift of the pressure, however long, becomes a change of floor, 
 high as moves are.
 """
 
-from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -17,42 +17,28 @@ from scipy.special import ndtr
 from pdr_est.frames import Array
 from pdr_est.front_end.height import vertical_moves as modes
 from pdr_est.front_end.height.height_params import HeightParams
+from pdr_est.front_end.height.path_of_modes import PathOfModes
 from pdr_est.front_end.height.seconds import Second
-from pdr_est.front_end.height.vertical_filter import (
-    ERROR,
-    HEIGHT,
-    SPEED,
-    Numbers,
-    jump_variances_m2,
-    measure_height,
-    move_on,
-)
+from pdr_est.front_end.height.vertical_filter import Numbers, jump_variances_m2, passage
 
 _MOST_HYPOTHESES = 24
 _CONSIDERED = 6 * _MOST_HYPOTHESES
 _NEGLIGIBLE_LOG = -25.0  # log of the weight over that of the best one
 _SAME_M, _SAME_MPS = 0.4, 0.25  # hypotheses of a mode are merged whose height and speed lie in the same interval
 _SHARE_OF_SMALL = 1e-4  # of moves that are no more than a few steps
+_H, _E, _S, _HH, _HE, _HS, _EE, _ES, _SS, _BEGIN = range(10)  # rows of filters: means, covariances, begin of the move
+_CELLS = 4096  # more than there are intervals of heights or speeds
 
 
-class PathOfModes(NamedTuple):
-    """Mode (n,) and case of the pressure (n,) of each second, by the most probable hypothesis."""
+class _Changes(NamedTuple):
+    """All pairs of modes (k,) that can follow one another, in order of the earlier one, and what they do."""
 
+    first: Numbers  # (modes,) place of the first pair of each earlier mode
+    pairs: Numbers  # (modes,) number of its pairs
     mode: Numbers
-    case: Numbers
-
-
-@dataclass(frozen=True)
-class _Bank:
-    """Hypotheses (n,): filters, height at the begin of the present move, mode, log weight, and pasts (n, seconds)."""
-
-    mean: Array
-    covariance: Array
-    begin_m: Array
-    mode: Numbers
-    log_weight: Array
-    modes: NDArray[np.int8]
-    cases: NDArray[np.int8]
+    begins: NDArray[np.bool_]
+    ends: NDArray[np.bool_]
+    numbers: Array  # (8, k) log probability; with a step, without; passage; additional variance of the height
 
 
 class MoveHypotheses:
@@ -62,118 +48,198 @@ class MoveHypotheses:
     ----------
     parameters
         Rates of moves and noise.
-    sigma_m
-        Standard deviation of the noise of the height in a second, m.
     error_m, variance_m2
         Error of the height by the pressure before the first second, and its variance.
     """
 
-    def __init__(self, parameters: HeightParams, sigma_m: float, error_m: float, variance_m2: float) -> None:
+    def __init__(self, parameters: HeightParams, error_m: float, variance_m2: float) -> None:
         self._parameters = parameters
-        self._variance_m2 = sigma_m**2
-        matrix = modes.transitions(parameters)
-        self._successors = [np.flatnonzero(row) for row in matrix]
-        self._log_transitions = [np.log(row[row > 0.0]) for row in matrix]
-        shares = (1.0 - parameters.jumps - parameters.great_jumps, parameters.jumps, parameters.great_jumps)
-        self._log_case = np.log(np.maximum(shares, 1e-12))
-        self._bank = _Bank(
-            mean=np.array([[0.0, error_m, 0.0]]),
-            covariance=np.diag([0.0, variance_m2, 0.0])[None],
-            begin_m=np.zeros(1),
-            mode=np.zeros(1, dtype=np.int64),
-            log_weight=np.zeros(1),
-            modes=np.zeros((1, 0), dtype=np.int8),
-            cases=np.zeros((1, 0), dtype=np.int8),
-        )
+        self._filters = np.zeros((10, 1))
+        self._filters[_E], self._filters[_EE] = error_m, variance_m2
+        self._mode = np.zeros(1, dtype=np.int64)
+        self._log_weight = np.zeros(1)
+        self._seconds: list[_SecondOfBank] = []
+
+    def __len__(self) -> int:
+        return len(self._seconds)
 
     @property
     def level_probability(self) -> float:
         """Return the probability that the last second was level."""
-        weight = np.exp(self._bank.log_weight)
-        return float(weight[~modes.is_moving(self._bank.mode)].sum() / weight.sum())
+        weight = np.exp(self._log_weight)
+        return float(weight[~modes.is_moving(self._mode)].sum() / weight.sum())
 
     @property
     def best_path(self) -> PathOfModes:
-        """Return what the most probable hypothesis says."""
-        return PathOfModes(self._bank.modes[0].astype(np.int64), self._bank.cases[0].astype(np.int64))
+        """Return what the most probable hypothesis says, and the heights of its filter above the begin."""
+        place, rows = 0, []
+        for second in reversed(self._seconds):
+            rows.append((second.mode[place], second.case[place], second.height_m[place], second.variance_m2[place]))
+            place = second.parent[place]
+        return PathOfModes.of_rows(rows[::-1])
 
     @property
     def level_error(self) -> tuple[float, float]:
         """Return height plus error of the most probable hypothesis, m, and its variance, m²."""
-        mean, covariance = self._bank.mean[0], self._bank.covariance[0]
-        return float(mean[HEIGHT] + mean[ERROR]), float(covariance[:2, :2].sum())
+        best = self._filters[:, 0]
+        return float(best[_H] + best[_E]), float(best[_HH] + 2.0 * best[_HE] + best[_EE])
 
-    def add(self, second: Second) -> None:
-        """Take in the next second."""
-        children = self._children(second)
-        chosen = _distinct(children)
-        bank = self._bank
-        parent, case = children.parent[chosen], children.case[chosen]
-        log_weight = children.log_weight[chosen]
-        self._bank = _Bank(
-            mean=children.mean[chosen],
-            covariance=children.covariance[chosen],
-            begin_m=children.begin_m[chosen],
-            mode=children.mode[chosen],
-            log_weight=log_weight - log_weight[0],
-            modes=np.column_stack([bank.modes[parent], children.mode[chosen].astype(np.int8)]),
-            cases=np.column_stack([bank.cases[parent], case.astype(np.int8)]),
+    def still_s(self, most: int) -> int:
+        """Return for how many of the latest seconds, up to a number, the most probable hypothesis is level."""
+        place = 0
+        for count, second in enumerate(reversed(self._seconds[-most:])):
+            if second.mode[place] >= modes.STILL:
+                return count
+            place = second.parent[place]
+        return min(most, len(self._seconds))
+
+    def agreement(self, within_m: float) -> float:
+        """Return the probability of the hypotheses whose height is that of the best one within an interval."""
+        weight = np.exp(self._log_weight)
+        near = np.abs(self._filters[_H] - self._filters[_H, 0]) < within_m
+        return float(weight[near].sum() / weight.sum())
+
+    def add(self, second: Second, sigma_m: float) -> None:
+        """Take in the next second, whose height has a standard deviation of the noise, m."""
+        p, changes = self._parameters, _changes(self._parameters)
+        count = changes.pairs[self._mode]
+        parent = np.arange(len(count)).repeat(count)
+        ahead = changes.first[self._mode] - np.cumsum(count) + count
+        change = ahead.repeat(count) + np.arange(len(parent))
+        numbers = changes.numbers[:, change]
+        moved = self._moved(parent, numbers, changes.begins[change])
+        log_weight = self._log_weight[parent] + numbers[0]
+        ends = np.flatnonzero(changes.ends[change])
+        if len(ends):
+            ended = self._filters[:, parent[ends]]
+            rise_m = np.abs(ended[_H] - ended[_BEGIN])
+            is_high = ndtr((rise_m - p.least_rise_m) / p.sigma_least_rise_m)
+            log_weight[ends] += np.log(_SHARE_OF_SMALL + (1.0 - _SHARE_OF_SMALL) * is_high)
+        if second.steps is not None:
+            log_weight += numbers[1 if second.steps else 2]
+        if second.height_m != second.height_m:
+            self._keep(moved, changes.mode[change], log_weight, parent, np.zeros(len(parent), dtype=np.int64))
+            return
+        self._measure(second.height_m, sigma_m**2, moved, numbers[7], changes.mode[change], log_weight, parent)
+
+    def _moved(self, parent: Numbers, numbers: Array, begins: NDArray[np.bool_]) -> Array:
+        """Move the filters on by a second, once for each mode that may follow."""
+        by_speed, kept, speed, variance = numbers[3:7]
+        old = self._filters.take(parent, axis=1)
+        new = np.empty_like(old)
+        new[_H] = old[_H] + by_speed * old[_S] + 0.5 * speed
+        new[_E] = old[_E]
+        new[_S] = kept * old[_S] + speed
+        half = old[_HS] + by_speed * old[_SS]
+        new[_HH] = old[_HH] + by_speed * (old[_HS] + half) + 0.25 * variance
+        new[_HE] = old[_HE] + by_speed * old[_ES]
+        new[_HS] = kept * half + 0.5 * variance
+        new[_EE] = old[_EE] + self._parameters.drift_m_per_sqrt_s**2
+        new[_ES] = kept * old[_ES]
+        new[_SS] = kept * kept * old[_SS] + variance
+        new[_BEGIN] = np.where(begins, old[_H], old[_BEGIN])
+        return new
+
+    def _measure(
+        self,
+        height_m: float,
+        noise_m2: float,
+        moved: Array,
+        disturbed_m2: Array,
+        mode: Numbers,
+        log_weight: Array,
+        parent: Numbers,
+    ) -> None:
+        """Update the filters by the height in a second, in each case of the pressure, and keep the best ones."""
+        jump_m2, log_case = _cases(self._parameters)
+        innovation = height_m - moved[_H] - moved[_E]
+        base = moved[_HH] + 2.0 * moved[_HE] + moved[_EE] + disturbed_m2 + noise_m2
+        spread = base + jump_m2[:, None]
+        weight = log_weight + log_case[:, None] - 0.5 * (innovation * innovation / spread + np.log(spread))
+        order = _best(weight.ravel())
+        case, one = np.divmod(order, len(parent))
+        found = moved.take(one, axis=1)
+        found[_EE] += jump_m2[case]
+        spread, off = spread.ravel()[order], innovation[one]
+        by_height, by_error = found[_HH] + found[_HE], found[_HE] + found[_EE]
+        by_speed = found[_HS] + found[_ES]
+        gain_h, gain_e, gain_s = by_height / spread, by_error / spread, by_speed / spread
+        found[_H] += gain_h * off
+        found[_E] += gain_e * off
+        found[_S] += gain_s * off
+        found[_HH] -= gain_h * by_height
+        found[_HE] -= gain_h * by_error
+        found[_HS] -= gain_h * by_speed
+        found[_EE] -= gain_e * by_error
+        found[_ES] -= gain_e * by_speed
+        found[_SS] -= gain_s * by_speed
+        self._keep(found, mode[one], weight.ravel()[order], parent[one], case)
+
+    def _keep(self, filters: Array, mode: Numbers, log_weight: Array, parent: Numbers, case: Numbers) -> None:
+        """Keep the most probable hypotheses, the best one first, each mode, height and speed once."""
+        order = _best(log_weight)
+        cell = (mode[order] * _CELLS + np.rint(filters[_H, order] / _SAME_M)) * _CELLS
+        cell += np.rint(filters[_S, order] / _SAME_MPS)
+        _, first = np.unique(cell, return_index=True)
+        first.sort()
+        chosen = order[first[:_MOST_HYPOTHESES]]
+        self._filters, self._mode = filters.take(chosen, axis=1), mode[chosen]
+        self._log_weight = log_weight[chosen] - log_weight[chosen[0]]
+        self._seconds.append(
+            _SecondOfBank(
+                parent[chosen].tolist(),
+                self._mode.tolist(),
+                case[chosen].tolist(),
+                self._filters[_H].tolist(),
+                self._filters[_HH].tolist(),
+            )
         )
 
-    def _children(self, second: Second) -> "_Children":
-        """Return every mode and every case of a disturbance that may follow, moved on and weighed."""
-        bank, p = self._bank, self._parameters
-        parent = np.repeat(np.arange(len(bank.mode)), [len(self._successors[mode]) for mode in bank.mode])
-        mode = np.concatenate([self._successors[one] for one in bank.mode])
-        log_weight = bank.log_weight[parent] + np.concatenate([self._log_transitions[one] for one in bank.mode])
-        mean, covariance, begin_m = bank.mean[parent], bank.covariance[parent], bank.begin_m[parent].copy()
-        before = bank.mode[parent]
-        begins, ends = modes.is_moving(mode) & (before != mode), modes.is_moving(before) & (before != mode)
-        begin_m[begins] = mean[begins, HEIGHT]
-        rise_m = np.abs(mean[ends, HEIGHT] - begin_m[ends])
-        is_high = ndtr((rise_m - p.least_rise_m) / p.sigma_least_rise_m)
-        log_weight[ends] += np.log(_SHARE_OF_SMALL + (1.0 - _SHARE_OF_SMALL) * is_high)
-        move_on(mean, covariance, before, mode, p.drift_m_per_sqrt_s)
-        if second.steps is not None:
-            log_weight += (modes.LOG_STEPPING if second.steps else modes.LOG_RESTING)[mode]
-        cases = len(self._log_case) if np.isfinite(second.height_m) else 1
-        case = np.tile(np.arange(cases), len(mode))
-        each = np.repeat(np.arange(len(mode)), cases)
-        mean, covariance = mean[each], covariance[each]
-        log_weight = log_weight[each] + self._log_case[case]
-        covariance[:, ERROR, ERROR] += jump_variances_m2(p)[case]
-        if cases > 1:
-            noise = self._variance_m2 + p.sigma_disturbed_m**2 * (mode[each] == modes.DISTURBED)
-            log_weight += measure_height(mean, covariance, second.height_m, noise)
-        return _Children(parent[each], mode[each], case, mean, covariance, begin_m[each], log_weight)
+
+class _SecondOfBank(NamedTuple):
+    """Hypotheses after a second: place of the parent, mode, case, height (m) and its variance (m²)."""
+
+    parent: list[int]
+    mode: list[int]
+    case: list[int]
+    height_m: list[float]
+    variance_m2: list[float]
 
 
-class _Children(NamedTuple):
-    """Hypotheses after a second (m,): parent, mode, case of the disturbance, filters, begin of the move, weight."""
-
-    parent: Numbers
-    mode: Numbers
-    case: Numbers
-    mean: Array
-    covariance: Array
-    begin_m: Array
-    log_weight: Array
+def _best(log_weight: Array) -> Numbers:
+    """Return the places of the most probable ones, the best one first."""
+    order = np.argsort(-log_weight, kind="stable")[:_CONSIDERED]
+    return np.asarray(order[log_weight[order] > log_weight[order[0]] + _NEGLIGIBLE_LOG])
 
 
-def _distinct(children: _Children) -> Numbers:
-    """Return the places of the most probable children, the best one first, each mode, height and speed once."""
-    order = np.argsort(-children.log_weight, kind="stable")[:_CONSIDERED]
-    order = order[children.log_weight[order] > children.log_weight[order[0]] + _NEGLIGIBLE_LOG]
-    cells = zip(
-        children.mode[order].tolist(),
-        np.round(children.mean[order, HEIGHT] / _SAME_M).tolist(),
-        np.round(children.mean[order, SPEED] / _SAME_MPS).tolist(),
-        strict=True,
+@lru_cache(maxsize=8)
+def _changes(parameters: HeightParams) -> _Changes:
+    """Tabulate the pairs of modes that can follow one another."""
+    matrix = modes.transitions(parameters)
+    before, mode = np.nonzero(matrix > 0.0)
+    numbers = np.array(
+        [
+            np.log(matrix[before, mode]),
+            modes.LOG_STEPPING[mode],
+            modes.LOG_RESTING[mode],
+            *np.array([passage(one, other) for one, other in zip(before.tolist(), mode.tolist(), strict=True)]).T,
+            parameters.sigma_disturbed_m**2 * (mode == modes.DISTURBED),
+        ]
     )
-    first: dict[tuple[int, float, float], int] = {}
-    for place, cell in zip(order.tolist(), cells, strict=True):
-        if cell not in first:
-            first[cell] = place
-            if len(first) == _MOST_HYPOTHESES:
-                break
-    return np.array(list(first.values()), dtype=np.int64)
+    count = np.bincount(before, minlength=modes.MODES)
+    changed = before != mode
+    return _Changes(
+        first=np.cumsum(count) - count,
+        pairs=count,
+        mode=mode,
+        begins=modes.is_moving(mode) & changed,
+        ends=modes.is_moving(before) & changed,
+        numbers=numbers,
+    )
+
+
+@lru_cache(maxsize=8)
+def _cases(parameters: HeightParams) -> tuple[Array, Array]:
+    """Return the variance of the jump in each case of the pressure, m², and the log of its share."""
+    shares = (1.0 - parameters.jumps - parameters.great_jumps, parameters.jumps, parameters.great_jumps)
+    return jump_variances_m2(parameters), np.log(np.maximum(shares, 1e-12))

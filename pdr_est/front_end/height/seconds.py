@@ -12,7 +12,8 @@ SCALE_HEIGHT_M = 8435.0
 """R T / g of the standard atmosphere at sea level (288.15 K), m."""
 
 _REFERENCE_PA = 101_325.0
-_NOISE_FROM_DIFFERENCES = 1.4826 / np.sqrt(6.0)  # of white noise, from the median absolute second difference
+NOISE_FROM_DIFFERENCES = 1.4826 / 6.0**0.5
+"""Standard deviation of white noise over the median absolute second difference."""
 
 
 class Second(NamedTuple):
@@ -78,4 +79,4 @@ def noise_of(height_m: Array, least_m: float) -> float:
     """
     curvature = np.abs(np.diff(height_m, n=2))
     known = curvature[np.isfinite(curvature)]
-    return max(least_m, float(np.median(known)) * float(_NOISE_FROM_DIFFERENCES)) if len(known) else least_m
+    return max(least_m, float(np.median(known)) * NOISE_FROM_DIFFERENCES) if len(known) else least_m

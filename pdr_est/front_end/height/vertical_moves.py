@@ -51,29 +51,31 @@ _KINDS = tuple(_PACES)
 LEVEL, DISTURBED = 0, 1
 """The modes in which the height stays; then each kind of move follows downwards and upwards."""
 
-_STILL = 2
-MODES = _STILL + 2 * len(_KINDS)
+STILL = 2
+"""Number of these; higher modes are moves."""
+
+MODES = STILL + 2 * len(_KINDS)
 """Number of modes."""
 
 
 def kind_of(mode: int) -> MoveKind:
     """Return the kind of move of a mode in which the height changes."""
-    return _KINDS[(mode - _STILL) // 2]
+    return _KINDS[(mode - STILL) // 2]
 
 
 def direction_of(mode: int) -> int:
     """Return -1 for a mode downwards, 1 upwards and 0 for one in which the height stays."""
-    return 0 if mode < _STILL else 1 if mode % 2 else -1
+    return 0 if mode < STILL else 1 if mode % 2 else -1
 
 
 def is_moving(mode: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Tell in which modes the height changes."""
-    return mode >= _STILL
+    return mode >= STILL
 
 
 def _of_modes(still: float, values: list[float]) -> Array:
     """List a value for each mode from those of the kinds."""
-    return np.array([*[still] * _STILL, *np.repeat(values, 2)])
+    return np.array([*[still] * STILL, *np.repeat(values, 2)])
 
 
 _DIRECTION = np.array([float(direction_of(mode)) for mode in range(MODES)])
