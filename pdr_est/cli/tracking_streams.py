@@ -21,6 +21,7 @@ from pdr_est.preprocessing.quality.clock_requirements import explain_empty_grid
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
+from pdr_est.types.track_output.table import HEIGHT_COLUMNS
 
 _PHONE_OF_THAT_NAME = f"{PERSON} (phone)"
 
@@ -186,5 +187,14 @@ def _update_to_json(update: Update) -> dict[str, Any]:
         "sigma_heading_rad": update.sigma_heading_rad,
         "mode": update.mode.name,
         "step_length_m": round(update.step_length_m, 4),
+        **_height_to_json(update),
         **({"findings": [asdict(finding) for finding in update.findings]} if update.findings else {}),
     }
+
+
+def _height_to_json(update: Update) -> dict[str, Any]:
+    """Return height and floor, where they are known, under the names of the columns of `track.csv`."""
+    if update.height_m is None:
+        return {}
+    values = (update.height_m, update.sigma_height_m, update.floor, update.floor_probability)
+    return dict(zip(HEIGHT_COLUMNS, values, strict=True))

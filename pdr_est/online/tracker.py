@@ -17,6 +17,7 @@ from pdr_est.online.update_assembly import UpdateAssembly
 from pdr_est.online.walk_estimator import WalkEstimator
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.inputs import refuse_settings_for_whole_walks
+from pdr_est.types.height import WalkerHeight
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import SensorBlock
 
@@ -30,9 +31,9 @@ class Tracker:
 
     The estimates of kind "filtered" are those of the estimator `ekf` on everything that is known so far: however the
     recording is cut, and in whatever order the blocks of its devices come within `OnlineParams.wait_s` of each other,
-    the last update of each pose equals the pose of `ekf` on the whole recording with `devices.clock: none`. With
-    `estimator.name: fixed-lag` there are also estimates of kind "delayed". With several devices there are also
-    estimates of the person, device "fused" (see `person_estimates.py`).
+    the last update of each pose equals the pose of `ekf` on the whole recording with `devices.clock: none`. Updates
+    with height and floor need air pressure; those of kind "delayed" `estimator.name: fixed-lag`; those of the person,
+    device "fused", several devices (see `person_estimates.py`).
 
     A push of a single sample does one piece of the pending work, such as samples to steps or steps to poses; the next
     pushes, forty at most, do the rest. A push of a longer block does everything at once.
@@ -75,17 +76,14 @@ class Tracker:
         self._front_ends: list[DeviceFrontEnd] = []
         self._measured: list[list[StepOdometry | HeadingPrior]] = []  # by device: what waits for the filter
         self._processed_s: list[float] = []  # by device: time up to which its samples have been filtered
-        self._deferred = 0  # pushes since there was no pending work
         self._estimator = external_estimator(self._config, parts, online) or WalkEstimator(self._config, online)
         delays_s: dict[Kind, float] = {"filtered": 0.0}
         if self._estimator.delayed:
             delays_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s
         self._lag_s = delays_s.get("delayed")
-        shared = self._names, self._front_ends, self._config.devices, online.wait_s
-        sigma = self._config.odometry.sigma_length_scale
-        self._updates = UpdateAssembly(*shared, delays_s, sigma, self._config.start.pose())
+        self._updates = UpdateAssembly(self._names, self._front_ends, self._config, online, delays_s)
         self._flushed = self._has_filtered = False  # the latter while there may be filtered poses to return
-        self._reported_missed = self.refused_fixes = 0
+        self._deferred = self._reported_missed = self.refused_fixes = 0  # the first: pushes since all work was done
         expected = [ExpectedDevice(device) if isinstance(device, str) else device for device in devices]
         for one in sorted(expected, key=lambda device: device.name):  # as for whole walks
             self._join(one)
@@ -109,6 +107,11 @@ class Tracker:
     def now_s(self) -> float:
         """Newest data time up to which samples have been processed; minus infinity at the beginning."""
         return self._estimator.now_s
+
+    @property
+    def height(self) -> WalkerHeight | None:
+        """Height and floor at the last second for which they are known; None without air pressure."""
+        return self._updates.height
 
     @property
     def late_steps(self) -> int:
@@ -142,6 +145,7 @@ class Tracker:
         refuse_malformed(device, block)
         if device not in self._names:
             self._join(ExpectedDevice(device))
+        self._updates.listen(device, block)
         has_resampled = self._front_ends[self._names.index(device)].push(block)
         if len(block.time_s) > 1 or self._deferred >= _MOST_DEFERRED:
             found = self._work()
@@ -192,10 +196,7 @@ class Tracker:
         self._flushed = True
         self._estimator.finish(self._config.start.sigma_closed_m if self._config.start.closed else None)
         found += self._filtered()
-        delayed = self._estimator.last_delayed()
-        if delayed is not None:
-            found += self._updates.of_devices("delayed", delayed)
-        found += self._updates.last_of_person()
+        found += self._updates.last(self._estimator.last_delayed())
         self._warn_of_missed_fixes()
         return found
 

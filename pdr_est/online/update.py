@@ -1,6 +1,6 @@
 """Updates: what the tracker tells about one pose of one device."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
@@ -11,6 +11,7 @@ from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.unknown_direction import covariance_any_direction
 from pdr_est.frames import SIGMA_UNIFORM_RAD, Array, rotate_vectors, wrap_angle
 from pdr_est.types.findings import Finding
+from pdr_est.types.height import HeightProfile
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
@@ -46,6 +47,10 @@ class Update:
         Carrying mode of the phone during the step.
     moving_from_s
         Time at which the step began.
+    height_m, sigma_height_m
+        Height of the walker above the floor at the start, and its standard deviation, m; None where not known.
+    floor, floor_probability
+        Number of the nearest floor, counted from that at the start, and its probability; None where not known.
     findings
         What does not fit in the walk so far; each finding comes once, with the first update after it showed.
     """
@@ -61,6 +66,10 @@ class Update:
     mode: CarryingMode
     moving_from_s: float
     findings: tuple[Finding, ...] = ()
+    height_m: float | None = None
+    sigma_height_m: float | None = None
+    floor: int | None = None
+    floor_probability: float | None = None
 
 
 def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str | None = None) -> Track:
@@ -95,6 +104,22 @@ def track_of(updates: Iterable[Update], kind: Kind = "filtered", estimator: str 
         kind=kind,
         estimator=estimator or ("ekf" if kind == "filtered" else "fixed-lag"),
         findings=tuple(findings),
+        height=_heights_of(rows),
+    )
+
+
+def _heights_of(rows: Sequence[Update]) -> HeightProfile | None:
+    """Return the heights of the walker at the times of some updates; None where none is known."""
+    known = {row.time_s: row for row in rows if row.height_m is not None}
+    if not known:
+        return None
+    in_time = [known[time_s] for time_s in sorted(known)]
+    return HeightProfile(
+        time_s=np.array([row.time_s for row in in_time]),
+        height_m=np.array([row.height_m for row in in_time], dtype=np.float64),
+        sigma_m=np.array([row.sigma_height_m for row in in_time], dtype=np.float64),
+        floor=np.array([row.floor for row in in_time], dtype=np.int64),
+        floor_probability=np.array([row.floor_probability for row in in_time], dtype=np.float64),
     )
 
 

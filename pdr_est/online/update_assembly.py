@@ -1,18 +1,22 @@
 """Assembly of updates from the poses of filter and smoother: those of each device, and those of the person."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 
 import numpy as np
 
-from pdr_est.config import DevicesParams
+from pdr_est.config import Config
 from pdr_est.estimators.common.unknown_direction import tells_direction
 from pdr_est.evaluate.walk_findings import FindingsSoFar
 from pdr_est.online.device_front_end import DeviceFrontEnd
+from pdr_est.online.heights.told_heights import ToldHeights
+from pdr_est.online.params import OnlineParams
 from pdr_est.online.person_estimates import DeviceCoverage, PersonEstimates
 from pdr_est.online.update import Kind, PoseEstimate, Update, at_mounting, in_unknown_direction, update_of
-from pdr_est.types.measurements import HeadingPrior, PositionFix, StartPose, StepOdometry
+from pdr_est.types.height import WalkerHeight
+from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
+from pdr_est.types.sensors import SensorBlock
 
 
 class UpdateAssembly:
@@ -22,34 +26,39 @@ class UpdateAssembly:
     ----------
     names, front_ends
         Name and front end of each device; lists that may grow.
-    devices
-        Mounting of the devices.
-    wait_s
-        Time for which the person waits for devices.
+    config
+        Start pose, mounting of the devices, uncertainty of the length scale, and heights.
+    online
+        Waiting.
     delays_s
         Time by which poses of each kind come later than those of the filter.
-    sigma_length_scale
-        Standard deviation of the logarithm of the length scale over walkers.
-    start
-        Start pose as far as it is known.
     """
 
     def __init__(
         self,
         names: Sequence[str],
         front_ends: Sequence[DeviceFrontEnd],
-        devices: DevicesParams,
-        wait_s: float,
+        config: Config,
+        online: OnlineParams,
         delays_s: dict[Kind, float],
-        sigma_length_scale: float,
-        start: StartPose,
     ) -> None:
+        start = config.start.pose()
         unknown = start.heading_rad is None and start.position_m is not None
         self._turned_about_m = np.array(start.position_m) if unknown else None  # while nothing tells the direction
-        self._findings = FindingsSoFar(sigma_length_scale)
-        self._names, self._front_ends, self._devices = names, front_ends, devices
-        self._wait_s, self._delays_s = wait_s, delays_s
+        self._findings = FindingsSoFar(config.odometry.sigma_length_scale)
+        self._names, self._front_ends, self._devices = names, front_ends, config.devices
+        self._wait_s, self._delays_s = online.wait_s, delays_s
         self._persons: dict[Kind, PersonEstimates] = {kind: PersonEstimates(kind) for kind in delays_s}
+        self._heights = ToldHeights(config.height, online.horizon_s + max(delays_s.values()))
+
+    @property
+    def height(self) -> WalkerHeight | None:
+        """Return height and floor of the walker at the last second for which they are known."""
+        return self._heights.latest
+
+    def listen(self, device: str, block: SensorBlock) -> None:
+        """Take the samples of a device from which the height is known."""
+        self._heights.push(self._names.index(device), block)
 
     @property
     def pending_person(self) -> Kind | None:
@@ -59,13 +68,14 @@ class UpdateAssembly:
         return next((kind for kind, person in self._persons.items() if person.pending), None)
 
     def extend(
-        self, device: int, from_s: float, to_s: float, measurements: Iterable[StepOdometry | HeadingPrior]
+        self, device: int, from_s: float, to_s: float, measurements: Sequence[StepOdometry | HeadingPrior]
     ) -> None:
         """Take note that a device recorded between two times, and of what was measured then."""
         if self._turned_about_m is not None and any(tells_direction(one) for one in measurements):
             self._turned_about_m = None
         for person in self._persons.values():
             person.extend(device, from_s, to_s)
+        self._heights.extend(device, measurements, to_s - self._front_ends[device].step_latency_s)
 
     def add_fix(self, fix: PositionFix) -> None:
         """Take note of a fix, which the poses after it are compared with."""
@@ -81,7 +91,7 @@ class UpdateAssembly:
         if kind == "filtered" and steps:
             findings = self._findings.add(centred, steps[-1].scale[0])
             updates[-1] = replace(updates[-1], findings=tuple(findings)) if findings else updates[-1]
-        return updates
+        return self._heights.added_to(updates)
 
     def of_person(self, kind: Kind, now_s: float, most: int | None = None) -> list[Update]:
         """Make the updates of the person's poses that are new or have changed.
@@ -103,11 +113,19 @@ class UpdateAssembly:
             known_s = now_s if now_s == inf else end_s - front_end.step_latency_s - delay_s
             devices.append(DeviceCoverage(front_end.spans_s, known_s))
         given = self._persons[kind].give(devices, now_s - self._patience_s - delay_s, most)
-        return [self._turned(update) for update in given]
+        return self._heights.added_to([self._turned(update) for update in given])
 
-    def last_of_person(self) -> list[Update]:
-        """Make the remaining updates of the person at the end of the walk."""
-        return [update for kind in self._persons for update in self.of_person(kind, inf)]
+    def last(self, delayed: Sequence[PoseEstimate] | None) -> list[Update]:
+        """Make the remaining updates at the end of the walk: delayed, of the person, and of revised heights.
+
+        Parameters
+        ----------
+        delayed
+            Remaining delayed poses; None where there are no such estimates.
+        """
+        found = [] if delayed is None else self.of_devices("delayed", delayed)
+        found += [update for kind in self._persons for update in self.of_person(kind, inf)]
+        return [*found, *self._heights.last()]
 
     def forget(self, before_s: float) -> None:
         """Forget poses of the filter before a time, which will not change any more."""

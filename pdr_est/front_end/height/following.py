@@ -76,6 +76,11 @@ class HeightFollower:
             self._add(missing, Second(float("nan"), None))
         self._add(number, second)
 
+    def add_steps(self, number: int, stepped: bool) -> None:
+        """Take in whether there was a step in a second of the past, which was added without knowing."""
+        if self._next is not None and number < self._next:
+            self._watch.add_steps(self._next - 1 - number, stepped)
+
     def at(self, time_s: float) -> WalkerHeight | None:
         """Return what is known about a time: of the nearest second that is known; None before the first one."""
         if not self._told:
@@ -89,11 +94,15 @@ class HeightFollower:
         """Take in the next second."""
         self._next = number + 1
         self._watch.add(second, self._noise.after(second.height_m))
-        mode, _, rise_m, rise_m2 = self._watch.latest
-        height_m, variance_m2 = rise_m + self._from_m, rise_m2 + self._from_m2
+        mode, height_m, variance_m2 = self._latest_path()
         floor, probability = self._floors(mode, height_m, variance_m2)
         self._make_room()
         self._tell(number, height_m, sigma_of(height_m, variance_m2, self._parameters), floor, probability)
+
+    def _latest_path(self) -> tuple[Numbers, Array, Array]:
+        """Return modes, heights and their variances of the seconds about which the mind may have changed."""
+        mode, _, rise_m, rise_m2 = self._watch.latest
+        return mode, rise_m + self._from_m, rise_m2 + self._from_m2
 
     def _floors(self, mode: Numbers, height_m: Array, variance_m2: Array) -> tuple[Numbers, Array]:
         """Find the floors of the seconds that are told now."""
@@ -131,6 +140,9 @@ class HeightFollower:
     def _begin_anew(self, number: int) -> None:
         """Begin at the present height after a long time without pressure."""
         latest = self._told[-1]
+        if self._watch.is_open:
+            self._count = floors_of(*self._latest_path(), self._count, self._parameters).known
+            self._number = self._count.number()
         self._watch, self._next = LevelWatch(self._parameters), number
         self._from_m, self._from_m2 = latest.height_m, max(latest.sigma_m**2 - self._parameters.sigma_level_m**2, 0.0)
         while self._told:

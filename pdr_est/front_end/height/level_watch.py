@@ -15,7 +15,7 @@ LOOK_BACK_S = 20
 _NOTICEABLE_SIGMAS = 4.0
 _NOTICEABLE_M = 0.6
 _SETTLED_S = 30  # level for so long, the hypotheses have nothing left to decide
-_SETTLED_PROBABILITY = 0.999
+_SETTLED_PROBABILITY = 0.99  # a move may begin in any second, for which 0.004 is the prior probability
 _LONG_S, _LONGEST_S = 900, 1800  # hypotheses end at the next level second, and at once: memory stays bounded
 
 
@@ -55,6 +55,15 @@ class LevelWatch:
         self._recent.append((second, self._level_m, self._variance_m2))
         self._decided.append((modes.LEVEL, STEADY, *self._height))
         self._decided_last = 1
+
+    def add_steps(self, seconds_ago: int, stepped: bool) -> None:
+        """Take in whether there was a step in one of the last seconds, which was added without knowing."""
+        if self._hypotheses is not None:
+            if seconds_ago < len(self._hypotheses):
+                self._hypotheses.weigh_steps(seconds_ago, stepped)
+        elif seconds_ago < len(self._recent):
+            second, level_m, variance_m2 = self._recent[-1 - seconds_ago]
+            self._recent[-1 - seconds_ago] = Second(second.height_m, int(stepped)), level_m, variance_m2
 
     @property
     def path(self) -> PathOfModes:

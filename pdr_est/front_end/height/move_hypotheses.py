@@ -122,6 +122,23 @@ class MoveHypotheses:
             return
         self._measure(second.height_m, sigma_m**2, moved, numbers[7], changes.mode[change], log_weight, parent)
 
+    def weigh_steps(self, seconds_ago: int, stepped: bool) -> None:
+        """Take in whether there was a step in a second that was added without knowing."""
+        table = modes.LOG_STEPPING if stepped else modes.LOG_RESTING
+        places = list(range(len(self._mode)))
+        for second in reversed(self._seconds[len(self._seconds) - seconds_ago :]):
+            places = [second.parent[place] for place in places]
+        then = self._seconds[-1 - seconds_ago].mode
+        self._log_weight += table[[then[place] for place in places]]
+        best = int(self._log_weight.argmax())
+        if best:
+            order = np.arange(len(self._mode))
+            order[[0, best]] = best, 0
+            self._filters, self._mode = self._filters.take(order, axis=1), self._mode[order]
+            self._log_weight = self._log_weight[order]
+            self._seconds[-1] = self._seconds[-1].in_order(order.tolist())
+        self._log_weight -= self._log_weight[0]
+
     def _moved(self, parent: Numbers, numbers: Array, begins: NDArray[np.bool_]) -> Array:
         """Move the filters on by a second, once for each mode that may follow."""
         by_speed, kept, speed, variance = numbers[3:7]
@@ -204,6 +221,16 @@ class _SecondOfBank(NamedTuple):
     case: list[int]
     height_m: list[float]
     variance_m2: list[float]
+
+    def in_order(self, order: list[int]) -> "_SecondOfBank":
+        """Return the same hypotheses in another order."""
+        return _SecondOfBank(
+            parent=[self.parent[place] for place in order],
+            mode=[self.mode[place] for place in order],
+            case=[self.case[place] for place in order],
+            height_m=[self.height_m[place] for place in order],
+            variance_m2=[self.variance_m2[place] for place in order],
+        )
 
 
 def _best(log_weight: Array) -> Numbers:

@@ -124,4 +124,8 @@ def _update(row: dict[str, Any]) -> Update:
         step_length_m=row["step_length_m"],
         mode=CarryingMode[row["mode"]],
         moving_from_s=row["time_s"],  # not in the lines, and in no format
+        height_m=row.get("height_m"),
+        sigma_height_m=row.get("sigma_height_m"),
+        floor=row.get("floor"),
+        floor_probability=row.get("floor_probability"),
     )
