@@ -7,6 +7,7 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.online import Update
+from pdr_est.types.height import WalkerHeight
 from pdr_est.types.steps import CarryingMode
 
 MODES = tuple(mode.name for mode in sorted(CarryingMode))
@@ -40,6 +41,13 @@ def pose_row(update: Update) -> list[Any]:
     ]
 
 
+def height_row(height: WalkerHeight | None) -> dict[str, float] | None:
+    """Return floor, height m and its standard deviation m for a page; None where they are not known."""
+    if height is None:
+        return None
+    return {"floor": height.floor, "height_m": round(height.height_m, 2), "sigma_m": round(height.sigma_m, 2)}
+
+
 class PoseHistory:
     """Latest pose of every device and time, of one kind; the oldest ones are thinned so that memory stays bounded."""
 
@@ -54,6 +62,8 @@ class PoseHistory:
             if update.kind != "filtered":
                 continue
             row, rows = pose_row(update), self._rows.setdefault(update.device, {})
+            if row[1] in rows and rows[row[1]].tolist() == row[1:]:
+                continue  # only the height was revised
             if row[1] not in rows and update.step_length_m > 0.0:
                 self._steps[update.device] = self._steps.get(update.device, 0) + 1
             rows[row[1]] = np.array(row[1:])

@@ -16,7 +16,7 @@ from pdr_est.config import Config
 from pdr_est.errors import PdrError, RecordingError
 from pdr_est.live.limits import LiveLimits, SampleBudget
 from pdr_est.live.phones import PhoneMonitor, Source
-from pdr_est.live.poses import PoseHistory
+from pdr_est.live.poses import PoseHistory, height_row
 from pdr_est.live.recording_files import LiveRecording
 from pdr_est.live.tracking import LiveSamples, TrackingThread
 from pdr_est.online import ExpectedDevice, Update
@@ -263,6 +263,7 @@ class LiveSession:
             return {
                 "type": "status",
                 "latency_s": round(self.latency_s, 3),
+                "height": height_row(self._tracking.height),
                 "phones": [phone.as_json(now_s, self._history.steps(phone.name)) for phone in self._phones.values()],
                 "missing": missing if self._state == "walking" else [],
             }

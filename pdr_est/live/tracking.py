@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pdr_est.config import Config
 from pdr_est.errors import PdrError
 from pdr_est.online import ExpectedDevice, Tracker, Update
+from pdr_est.types.height import WalkerHeight
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import SensorBlock
 
@@ -47,6 +48,11 @@ class TrackingThread:
         Called with what the tracker warns of.
     on_end
         Called when everything has been processed.
+
+    Attributes
+    ----------
+    height
+        Height and floor of the walker at present; None without air pressure.
     """
 
     def __init__(
@@ -60,6 +66,7 @@ class TrackingThread:
         self._tracker = Tracker(config, list(expected))
         self._queue: queue.Queue[LiveSamples | PositionFix | None] = queue.Queue()
         self._on_updates, self._on_note, self._on_end = on_updates, on_note, on_end
+        self.height: WalkerHeight | None = None
         self._thread = threading.Thread(target=self._work, name="tracker", daemon=True)
 
     def start(self) -> None:
@@ -100,6 +107,7 @@ class TrackingThread:
                         updates += self._tracker.push(item.device, block)
             except PdrError as error:
                 self._on_note(str(error))
+        self.height = self._tracker.height
         for warning in caught:
             self._on_note(str(warning.message))
         for update in updates:

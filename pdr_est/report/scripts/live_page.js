@@ -54,6 +54,8 @@ function showNumbers() {
 function showStatus(status) {
   byId('steps').textContent = status.phones.length ? status.phones.map((one) => one.steps).join(' + ') : '–';
   byId('filter-delay').textContent = status.latency_s ? `${status.latency_s.toFixed(1)} s` : '–';
+  byId('floor-box').hidden = !status.height;
+  if (status.height) byId('floor').textContent = floorText(status.height);
   byId('missing').replaceChildren(...status.missing.map((words) => makeElement('li', {}, words)));
   byId('missing-box').hidden = status.missing.length === 0;
   byId('phones').replaceChildren(...status.phones.map((one) => {
@@ -64,6 +66,11 @@ function showStatus(status) {
     line.append(makeElement('th', {}, one.name), makeElement('td', {}, rates || 'nothing yet'), makeElement('td', {}, `${one.steps} steps`));
     return line;
   }));
+}
+
+/** Write the floor and the height, such as 2, +7.1 ± 0.4 m. */
+function floorText({ floor, height_m, sigma_m }) {
+  return `${floor}, ${height_m < 0 ? '−' : '+'}${Math.abs(height_m).toFixed(1)} ± ${sigma_m.toFixed(1)} m`;
 }
 
 function showState(message) {

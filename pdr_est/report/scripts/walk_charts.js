@@ -6,7 +6,7 @@ const MOST_STEP_DOTS = 700;
 const STRIP_PX = 7;
 
 /** List the charts of a walk, as createTimeChart wants them; devices have their poses in `table`. */
-function walkCharts(signals, devices, fixes, modes) {
+function walkCharts(signals, devices, fixes, modes, height) {
   const many = signals.length > 1;
   const specs = signals.map((one) => accelerationChart(one, many, modes));
   const ofPoses = (values, more = () => ({})) => devices.map(({ name, colour, table }) => (
@@ -34,8 +34,22 @@ function walkCharts(signals, devices, fixes, modes) {
     title: 'Standard deviation of the position, longer axis', unit: 'm', digits: 2,
     series: ofPoses(longerSigmas, () => ({ width: 1.8 })),
   });
+  if (height) specs.push(heightChart(height.columns, height.moves), floorChart(height.columns));
   if (fixes.length) specs.push(residualChart(fixes));
   return specs;
+}
+
+/** Show the height with its 95 % interval; what lies in a move is shaded. */
+function heightChart({ time_s, height_m, sigma_m }, moves) {
+  const half = sigma_m.map((s) => SIGMA_95 * s);
+  const series = [{ name: 'height', colour: '--series-1', time_s, values: height_m, half }];
+  return { title: 'Height above the floor at the start', unit: 'm', digits: 1, series, under: (u) => drawGaps(u, moves) };
+}
+
+/** Show the number of the floor. */
+function floorChart({ time_s, floor }) {
+  const series = [{ name: 'floor', colour: '--series-1', time_s, values: floor, width: 1.8 }];
+  return { title: 'Floor', unit: '', digits: 0, series };
 }
 
 /** Compute the standard deviations of the positions along the longer axes. */

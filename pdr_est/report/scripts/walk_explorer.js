@@ -7,6 +7,9 @@ function exploreWalk() {
   const cursor = createTimeCursor(data.begin_s, data.end_s);
   const signals = data.signals.map(unpackSignal);
   const fixes = data.fixes.map((one) => ({ ...one, columns: unpackColumns(one.columns) }));
+  const height = data.height && {
+    columns: unpackColumns(data.height.columns), moves: unpackColumns(data.height.moves),
+  };
   const tables = data.devices.map((one) => ({ ...one, table: unpackColumns(one.poses) }));
   document.documentElement.classList.add('scripted');
   const map = makeWalkMap(data, tables, fixes, cursor);
@@ -16,7 +19,7 @@ function exploreWalk() {
   const devices = tables.map((one) => ({ name: one.name, poses: posesOf(one.table) }));
   fillCursorTable(document.getElementById('cursor-table'), devices, data.modes, cursor);
   const charts = document.getElementById('charts');
-  walkCharts(signals, tables, fixes, data.modes).forEach((spec) => createTimeChart(charts, spec, cursor));
+  walkCharts(signals, tables, fixes, data.modes, height).forEach((spec) => createTimeChart(charts, spec, cursor));
   cursor.setTime(data.begin_s);
 }
 

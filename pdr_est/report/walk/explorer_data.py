@@ -15,6 +15,7 @@ from pdr_est.report.plots.mode_style import MODE_DASHES, mode_runs
 from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.walk.fix_residuals import FixResiduals
 from pdr_est.report.walk.map_extras import MapExtras
+from pdr_est.types.height import HeightProfile
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
@@ -61,6 +62,7 @@ def explorer_data(
         "modes": [_mode(mode) for mode in CarryingMode],
         "devices": [_device(walk.track.of_device(name), number, len(names)) for number, name in enumerate(names)],
         "signals": [_signals(device, number, bin_size) for number, device in enumerate(walk.devices)],
+        "height": _height(walk.track.height),
         "fixes": [_fixes(one) for one in residuals],
         "truth": None if truth_m is None or not len(truth_m) else _places(truth_m),
         "doubts": [_places(points_m) for points_m in marked_places(walk.track)],
@@ -122,6 +124,24 @@ def _signals(device: DeviceWalk, number: int, bin_size: int) -> Json:
         "gaps": {
             "begin_s": pack_column([gap.start_s for gap in device.gaps], TIME_STEP_S),
             "end_s": pack_column([gap.end_s for gap in device.gaps], TIME_STEP_S),
+        },
+    }
+
+
+def _height(profile: HeightProfile | None) -> Json | None:
+    """Collect height and floor of the walker, and the times of the moves; None where they are not known."""
+    if profile is None:
+        return None
+    return {
+        "columns": {
+            "time_s": pack_column(profile.time_s, TIME_STEP_S),
+            "height_m": pack_column(profile.height_m, PLACE_STEP_M),
+            "sigma_m": pack_column(profile.sigma_m, PLACE_STEP_M),
+            "floor": pack_column(profile.floor, 1.0),
+        },
+        "moves": {
+            "begin_s": pack_column([move.begin_s for move in profile.moves], TIME_STEP_S),
+            "end_s": pack_column([move.end_s for move in profile.moves], TIME_STEP_S),
         },
     }
 

@@ -164,7 +164,14 @@ def _tiles(summary: Json) -> list[tuple[str, str]]:
         ("duration", format_duration(summary["duration_s"])),
         ("steps", " + ".join(format_number(count, 0) for count in steps) or NO_VALUE),
         ("95 % radius at the end", f"{format_number(max(known), 1) if known else NO_VALUE} m"),
+        *_floors_tile(summary["height"]),
     ]
+
+
+def _floors_tile(height: Json | None) -> list[tuple[str, str]]:
+    """Return the tile of the floors, where more than one was visited."""
+    floors = [] if height is None else height["floors"]
+    return [("floors", f"{min(floors)} to {max(floors)}")] if len(floors) > 1 else []
 
 
 def _flat(errors: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:

@@ -15,12 +15,14 @@ from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
 from pdr_est.report.plots.finding_marks import marked_places
 from pdr_est.report.plots.gait import plot_gait
+from pdr_est.report.plots.heights import plot_heights
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.mode_style import mode_legend, mode_runs
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import plot_track
 from pdr_est.report.plots.track_line import mode_polylines
 from pdr_est.types.ground_truth import TruePositions
+from pdr_est.types.height import HeightProfile
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
 
@@ -118,14 +120,25 @@ def _track_caption(walk: SmoothedWalk, shows_truth: bool, in_map_frame: bool, no
 
 
 def time_panels(walk: SmoothedWalk) -> list[Panel]:
-    """Make the acceleration plot of each device, then, if there are steps, the gait plot of all devices."""
+    """Make the acceleration plot of each device, the gait plot of all if there are steps, and that of the heights."""
     axis = time_axis(walk)
     panels = [
         _acceleration_panel(device, place, axis, len(walk.devices) > 1) for place, device in enumerate(walk.devices)
     ]
     if any(device.steps for device in walk.devices):
         panels.append(_gait_panel(walk, axis))
+    if walk.track.height is not None:
+        panels.append(_height_panel(walk.track.height, axis))
     return panels
+
+
+def _height_panel(profile: HeightProfile, axis: TimeAxis) -> Panel:
+    legend = [LegendEntry("line", "series-1", "height"), LegendEntry("shade", "series-1", "95 % interval")]
+    if profile.moves:
+        legend.append(LegendEntry("shade", "muted", "stairs, escalator or lift"))
+    markup = _markup(plot_heights(profile, axis), "height", "Height over time")
+    caption = "Height by the air pressure above the floor at the start; the numbers are those of the floors."
+    return Panel("Height and floors", markup, tuple(legend), caption)
 
 
 def _acceleration_panel(device: DeviceWalk, place: int, axis: TimeAxis, several: bool) -> Panel:
