@@ -77,12 +77,11 @@ class LiveSession:
         self._history = PoseHistory()
         self._fixes: list[list[float]] = []
         self._notes: dict[str, None] = {}
-        self._state = "walking"
+        self._state, self._ending = "walking", False
         self._report: str | None = None
         self._replayed_s: float | None = None  # data time of a replay
         self.ended = threading.Event()
         self.before_end: list[Callable[[], None]] = []
-        self._ending = False
 
     def start(self) -> None:
         """Begin to track. What is loaded is kept out of garbage collection, which would delay poses by 100 ms."""

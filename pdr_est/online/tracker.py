@@ -278,8 +278,7 @@ class Tracker:
             return
         if not measurements and front_end.end_s == before_s:
             return  # the samples wait for those of another sensor
-        self._processed_s[number] = front_end.end_s
-        self._has_filtered = True
+        self._processed_s[number], self._has_filtered = front_end.end_s, True
         self._updates.extend(number, before_s, front_end.end_s, measurements)
         self._estimator.extend(number, (front_end.start_s, front_end.end_s), measurements, front_end.latency_s)
 

@@ -1,4 +1,4 @@
-"""What a hypothesis says about some seconds: modes, disturbances of the pressure, and heights."""
+"""Judgement of a hypothesis about some seconds: modes, disturbances of the pressure, and heights."""
 
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -26,7 +26,7 @@ class Rise(NamedTuple):
 
 @dataclass(frozen=True)
 class StoreyCount:
-    """What the changes of height so far tell about the number of the floor, and about the building.
+    """Knowledge of the number of the floor and of the building, by the changes of height so far.
 
     How many storeys a rise is depends on how high the storeys of the building are, and every rise tells something
     about that. The storeys of a building are alike, and those of different buildings are not.

@@ -16,7 +16,7 @@ Numbers = NDArray[np.int64]
 
 
 class Passage(NamedTuple):
-    """What a second in a mode, after one in a mode, does to a filter.
+    """Change of a filter by a second in a mode, after one in the same mode or another.
 
     Of height h, error e and speed s, `h + height_by_speed s`, e and `speed_kept s` are left. A change of the speed
     within the second, evenly, then moves the height by half of itself.
