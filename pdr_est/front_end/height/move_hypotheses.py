@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from pdr_est.frames import Array
 from pdr_est.front_end.height import vertical_moves as modes
 from pdr_est.front_end.height.height_params import HeightParams
+from pdr_est.front_end.height.normal_distribution import normal_cdf
 from pdr_est.front_end.height.path_of_modes import PathOfModes
 from pdr_est.front_end.height.seconds import Second
 from pdr_est.front_end.height.vertical_filter import Numbers, jump_variances_m2, passage
@@ -113,7 +113,7 @@ class MoveHypotheses:
         if len(ends):
             ended = self._filters[:, parent[ends]]
             rise_m = np.abs(ended[_H] - ended[_BEGIN])
-            is_high = ndtr((rise_m - p.least_rise_m) / p.sigma_least_rise_m)
+            is_high = normal_cdf((rise_m - p.least_rise_m) / p.sigma_least_rise_m)
             log_weight[ends] += np.log(_SHARE_OF_SMALL + (1.0 - _SHARE_OF_SMALL) * is_high)
         if second.steps is not None:
             log_weight += numbers[1 if second.steps else 2]

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtr
 
 from pdr_est.frames import Array
 from pdr_est.front_end.height.height_params import HeightParams
+from pdr_est.front_end.height.normal_distribution import normal_cdf
 
 _STOREYS_M = np.arange(2.3, 8.01, 0.05)
 _MOST_STOREYS = 60  # of a rise
@@ -89,7 +89,7 @@ class StoreyCount:
         sigma_m = np.sqrt(max(rise.variance_m2, 1e-6))
         nearest = np.clip(np.rint(rise.rise_m / self.storey_m) + np.arange(-2, 3), -_MOST_STOREYS, _MOST_STOREYS)
         above = (nearest[:, None] + 0.5) * _STOREYS_M - rise.rise_m
-        share = (ndtr(above / sigma_m) - ndtr((above - _STOREYS_M) / sigma_m)) @ self.weight
+        share = (normal_cdf(above / sigma_m) - normal_cdf((above - _STOREYS_M) / sigma_m)) @ self.weight
         best = int(share.argmax())
         return int(nearest[best]), float(share[best])
 
