@@ -61,6 +61,11 @@ class LiveApp:
         self.report_folder: Path | None = None
         self.report_files: Collection[str] = ()
 
+    @property
+    def may_push(self) -> bool:
+        """Tell whether apps may push samples."""
+        return self._pushed is not None
+
     def pages(self) -> ASGIApp:
         """Return the application with everything."""
         return self._application(

@@ -122,6 +122,14 @@ def test_what_cannot_be_is_refused_in_words(
     assert words in result.output
 
 
+@pytest.mark.parametrize("refused", [["--host", "192.0.2.1"], ["--phyphox", "http://[::1"]])
+def test_what_is_refused_leaves_no_folder(refused: list[str], tmp_path: Path) -> None:
+    """The same call works once the port is free: OUT must be new."""
+    out = tmp_path / "out"
+    assert CliRunner().invoke(main, ["live", "--port", "0", "-o", str(out), *refused]).exit_code == 2
+    assert not out.exists()
+
+
 def test_without_the_extra_the_command_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(live, "find_spec", lambda name: None if name == "uvicorn" else object())
     result = CliRunner().invoke(main, ["live"])

@@ -1,6 +1,7 @@
 """phyphox's remote access, asked by a phone's stand-in over a real socket."""
 
 import json
+import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -139,16 +140,48 @@ def test_a_phone_that_does_not_answer_is_told(new_walk: Any) -> None:
     ended(session)
 
 
-@pytest.mark.parametrize("address", ["ftp://phone", "file:///etc/passwd", "http://"])
+@pytest.mark.parametrize(
+    "address",
+    ["ftp://phone", "file:///etc/passwd", "http://", "http://[::1", "phone:808080", "phone:x", "a b", "phone\n:80"],
+)
 def test_other_addresses_are_refused(new_walk: Any, address: str) -> None:
     with pytest.raises(ConfigError, match="--phyphox"):
         PhyphoxPhone(new_walk(None), address)
 
 
 @pytest.mark.parametrize("config", [None, [], {}, {"inputs": 1}])
-def test_other_servers_are_refused(config: object) -> None:
+def test_other_descriptions_are_refused(config: object) -> None:
     with pytest.raises(RecordingError, match="phyphox"):
         sensor_buffers(config)
+
+
+def test_a_server_that_speaks_something_else_is_told_and_asked_again(new_walk: Any) -> None:
+    """An answer that is no HTTP does not end the asking."""
+    asked = []
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+
+        def talk() -> None:
+            for _ in range(2):
+                connection, _ = listening.accept()
+                with connection:
+                    asked.append(connection.recv(4096))
+                    connection.sendall(b"220 mail.example ready\r\n")
+
+        thread = threading.Thread(target=talk)
+        thread.start()
+        session = new_walk(None)
+        polled = PhyphoxPhone(session, f"127.0.0.1:{listening.getsockname()[1]}")
+        session.start()
+        polled.start()
+        thread.join(timeout=20.0)
+        assert any("no answer" in words for words in session.status()["missing"])
+        ended(session)
+    assert len(asked) == 2
+
+
+@pytest.mark.parametrize("outputs", [5, "x", [5], [None], {"x": "ax"}])
+def test_a_damaged_description_has_no_sensor(outputs: object) -> None:
+    assert sensor_buffers({"inputs": [{"source": "accelerometer", "outputs": outputs}]}) == ()
 
 
 def test_an_experiment_without_times_has_no_sensor() -> None:

@@ -144,6 +144,7 @@ def test_nonsense_does_no_harm(new_walk: NewWalk, text: str) -> None:
         {"type": "fix", "x_m": "1", "y_m": 0, "sigma_m": 1, "ago_s": 0},
         {"type": "fix", "x_m": 1, "y_m": 0, "sigma_m": 0, "ago_s": 0},
         {"type": "fix"},
+        {"type": "fix", "x_m": 10**400, "y_m": 0, "sigma_m": 1, "ago_s": 0},
     ],
 )
 def test_a_damaged_position_ends_the_connection_and_is_told(new_walk: NewWalk, message: Message) -> None:
@@ -153,6 +154,15 @@ def test_a_damaged_position_ends_the_connection_and_is_told(new_walk: NewWalk, m
             assert "a position" in end_of(page)
         with link(server) as page:
             assert "position" in heard(page, "notes")["notes"][0]
+
+
+def test_a_direction_of_huge_numbers_does_no_harm(new_walk: NewWalk) -> None:
+    with served(new_walk(None)) as server, link(server) as page:
+        page.send(json.dumps({"type": "phone", "id": "a"}))
+        row = [server.session.now_s, 0.1, 0.2, 9.8, 0.0, 0.0, 0.0]
+        page.send(json.dumps({"type": "motion", "rows": [row], "up": [10**400, 0, 1]}))
+        page.send(json.dumps({"type": "ping", "sent": 1}))
+        assert heard(page, "pong")["sent"] == 1
 
 
 def test_a_message_that_is_too_large_ends_the_connection(new_walk: NewWalk) -> None:

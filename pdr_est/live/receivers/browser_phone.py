@@ -94,4 +94,4 @@ def _sign(force: Array, up: Any, is_ios: bool) -> float:
 def _is_direction(up: Any) -> bool:
     if not isinstance(up, Sequence) or len(up) != 3 or not all(isinstance(value, int | float) for value in up):
         return False
-    return 0.5 < math.sqrt(sum(value * value for value in up)) < 2.0
+    return all(abs(value) <= 2.0 for value in up) and 0.5 < math.hypot(*up) < 2.0

@@ -3,9 +3,9 @@
 The experiment's own description tells which buffers hold which sensor, since each experiment names them as it likes.
 """
 
+import http.client
 import json
 import threading
-import urllib.error
 import urllib.request
 from dataclasses import dataclass
 from typing import Any
@@ -66,11 +66,12 @@ def sensor_buffers(config: Any) -> tuple[SensorBuffers, ...]:
     found = []
     for one in inputs:
         channel = _CHANNELS.get(str(one.get("source"))) if isinstance(one, dict) else None
-        if channel is None:
+        outputs = one.get("outputs") if channel is not None else None
+        if channel is None or not isinstance(outputs, list):
             continue
         names: dict[str, str] = {}
-        for output in one.get("outputs") or ():
-            names |= {str(component): str(name) for component, name in output.items()}
+        for output in outputs:
+            names |= {str(key): str(name) for key, name in output.items()} if isinstance(output, dict) else {}
         if {"x", "y", "z", "t"} <= set(names):
             found.append(SensorBuffers(channel, names["t"], (names["x"], names["y"], names["z"])))
     return tuple(found)
@@ -93,14 +94,12 @@ class PhyphoxPhone:
     """
 
     def __init__(self, session: LiveSession, address: str) -> None:
-        parts = urlsplit(address if "//" in address else f"http://{address}")
-        if parts.scheme not in ("http", "https") or not parts.hostname:
-            raise ConfigError(f"--phyphox {address}: no address: give the one that phyphox shows, http://…:8080")
-        self._address = f"{parts.scheme}://{parts.netloc}"
+        self._address = base_address(address)
         self._session = session
         self._phone: PhoneMonitor = session.join("phyphox")
         self._buffers: tuple[SensorBuffers, ...] = ()
         self._newest: dict[str, float] = {}
+        self._placed_until_s: dict[Channel, float] = {}
         self._experiment = ""
         self._clock = ArrivalClock(always=True)
         self._thread = threading.Thread(target=self._poll, name="phyphox", daemon=True)
@@ -129,7 +128,7 @@ class PhyphoxPhone:
             if len(content) > _MOST_BYTES:
                 raise RecordingError(f"{self._address}: an answer of more than {_MOST_BYTES >> 20} MiB: {hint}")
             return json.loads(content)
-        except (OSError, ValueError, urllib.error.URLError) as error:
+        except (OSError, ValueError, RecursionError, http.client.HTTPException) as error:
             raise RecordingError(f"{self._address}: no answer ({error}): {hint}") from error
 
     def _question(self) -> str:
@@ -150,7 +149,7 @@ class PhyphoxPhone:
             status, buffers = answer["status"], answer["buffer"]
             session, measuring = str(status["session"]), bool(status["measuring"])
             columns = {name: _column(buffers[name]["buffer"]) for name in self._names()}
-        except (TypeError, KeyError, ValueError) as error:
+        except (TypeError, KeyError, ValueError, OverflowError) as error:
             self._buffers = ()  # another experiment may have been opened
             raise RecordingError(f"{self._address}: an answer that is none of phyphox: load it again") from error
         if self._experiment and session != self._experiment:  # the samples were cleared, and their time begins anew
@@ -181,8 +180,38 @@ class PhyphoxPhone:
             )
             if good.any():
                 self._newest[one.time] = float(time_s[good].max())
-                blocks.append(SensorBlock(one.channel, time_s[good] + shift_s, values[good]))
+                blocks.append(self._in_order(SensorBlock(one.channel, time_s[good] + shift_s, values[good])))
         self._session.take(self._phone, blocks)
+
+    def _in_order(self, block: SensorBlock) -> SensorBlock:
+        """Leave out what is placed before earlier samples, which may be a few after the phone's clock began anew."""
+        later = block.time_s > self._placed_until_s.get(block.channel, float("-inf"))
+        if later.any():
+            self._placed_until_s[block.channel] = float(block.time_s[later].max())
+        return SensorBlock(block.channel, block.time_s[later], block.values[later])
+
+
+def base_address(address: str) -> str:
+    """Return scheme, host and port of the address that phyphox shows.
+
+    Parameters
+    ----------
+    address
+        What the user states, such as 192.168.0.5:8080.
+
+    Raises
+    ------
+    ConfigError
+        If it is none.
+    """
+    try:
+        parts = urlsplit(address if "//" in address else f"http://{address}")
+        is_address = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+    except ValueError:  # a port that is no number, or brackets that do not close
+        is_address = False
+    if not is_address or any(not character.isprintable() or character == " " for character in address):
+        raise ConfigError(f"--phyphox {address}: no address: give the one that phyphox shows, http://…:8080")
+    return f"{parts.scheme}://{parts.netloc}"
 
 
 def _column(given: Any) -> Array:

@@ -4,6 +4,7 @@ import asyncio
 import tempfile
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from importlib.util import find_spec
@@ -26,6 +27,8 @@ from pdr_est.online.recording_stream import expected_devices
 from pdr_est.output.atomic_output import write_text
 
 if TYPE_CHECKING:
+    from socket import socket
+
     from pdr_est.live.serving import Port
 
 _PACKAGES = ("starlette", "uvicorn", "websockets", "segno", "cryptography")
@@ -64,13 +67,19 @@ def show_live(
         raise click.UsageError("--replay takes the place of phones: leave out --phyphox and --platform")
     if not recordings and fixes not in (None, RECORDED):
         raise click.UsageError("--fixes: of phones that record now only the word recording, or with --replay a table")
+    from pdr_est.live.receivers.phyphox import base_address
+
     config = resolve_config(**settings)
     folder = Path(f"live-{datetime.now():%Y%m%d-%H%M%S}") if output is None else output
     walk = _replayed(recordings, fixes, config, speed) if recordings else None
-    recording = LiveRecording(folder)
-    write_text(folder / "settings.yaml", config_to_yaml(config))
-    walk = _recorded(recording, config) if walk is None else walk
-    asyncio.run(_serve(walk, folder, host, port, phyphox_addresses, platform, fixes is not None))
+    for address in phyphox_addresses:
+        base_address(address)
+    with ExitStack() as opened:  # before the folder: a port that is taken leaves none behind
+        sockets = _listen(host, port, walk is None, opened)
+        recording = LiveRecording(folder)
+        write_text(folder / "settings.yaml", config_to_yaml(config))
+        walk = _recorded(recording, config) if walk is None else walk
+        asyncio.run(_serve(walk, folder, host, sockets, phyphox_addresses, platform, fixes is not None))
 
 
 def _recorded(recording: LiveRecording, config: Config) -> _Walk:
@@ -95,7 +104,7 @@ async def _serve(
     walk: _Walk,
     folder: Path,
     host: str,
-    port: int,
+    sockets: "list[socket]",
     phyphox_addresses: tuple[str, ...],
     platform: Platform | None,
     with_fixes: bool,
@@ -111,7 +120,7 @@ async def _serve(
     pushed = PushedMessages(session, platform, with_fixes) if walk.feed is None else None
     application = LiveApp(session, pushed, page_token, push_token)
     with tempfile.TemporaryDirectory(prefix="pdr-est-") as private:
-        ports = _open_ports(application, Path(private), host, port, page_token, push_token, pushed is not None)
+        ports = _open_ports(application, Path(private), host, sockets, page_token, push_token)
         phones = [PhyphoxPhone(session, address) for address in phyphox_addresses]
         session.start()
         for phone in phones:
@@ -124,19 +133,31 @@ async def _serve(
         await ended
 
 
-def _open_ports(
-    application: Any, private: Path, host: str, port: int, page_token: str, push_token: str, may_push: bool
-) -> "list[Port]":
-    """Open the ports and say where they are. Others reach the page encrypted, and apps push without encryption."""
-    from pdr_est.live.addresses import host_for_others, is_loopback, make_certificate, qr_code_text
-    from pdr_est.live.serving import Port, listen_on
+def _listen(host: str, port: int, may_push: bool, opened: ExitStack) -> "list[socket]":
+    """Open the port of the page, and one that apps push to if the page is encrypted."""
+    from pdr_est.live.addresses import is_loopback
+    from pdr_est.live.serving import listen_on
 
-    listening = listen_on(host, port)
+    sockets = [opened.enter_context(listen_on(host, port))]
+    if may_push and not is_loopback(host):
+        number = sockets[0].getsockname()[1]
+        sockets.append(opened.enter_context(listen_on(host, number + 1 if port else 0)))
+    return sockets
+
+
+def _open_ports(
+    application: Any, private: Path, host: str, sockets: "list[socket]", page_token: str, push_token: str
+) -> "list[Port]":
+    """Say where the ports are. Others reach the page encrypted, and apps push without encryption."""
+    from pdr_est.live.addresses import host_for_others, is_loopback, make_certificate, qr_code_text
+    from pdr_est.live.serving import Port
+
+    listening = sockets[0]
     number, shown = listening.getsockname()[1], host_for_others(host)
     shown = f"[{shown}]" if ":" in shown else shown
     if is_loopback(host):
         click.echo(f"page: http://{shown}:{number}/{page_token}/")
-        if may_push:
+        if application.may_push:
             click.echo(f"push: http://{shown}:{number}/{push_token}/push")
         return [Port(application.pages(), listening)]
     certificate, key = make_certificate(private, [host_for_others(host), "localhost", "127.0.0.1"])
@@ -144,8 +165,7 @@ def _open_ports(
     click.echo(f"page: {address}")
     click.echo("note: the certificate was made just now and nobody has signed it: the browser asks once to trust it")
     ports = [Port(application.pages(), listening, certificate, key)]
-    if may_push:
-        pushing = listen_on(host, number + 1 if port else 0)
+    for pushing in sockets[1:]:
         click.echo(f"push: http://{shown}:{pushing.getsockname()[1]}/{push_token}/push")
         ports.append(Port(application.push_only(), pushing))
     click.echo(qr_code_text(address))
