@@ -127,7 +127,8 @@ class LiveSession:
         """
         with self._lock:
             if len(self._phones) >= self.limits.phones:
-                raise RecordingError(f"one more phone than the {self.limits.phones} that one walk may have")
+                most = f"{self.limits.phones} phone{'' if self.limits.phones == 1 else 's'}"
+                raise RecordingError(f"this walk takes no more than {most}: start another one for more")
             number = len(self._phones) + 1
             phone = PhoneMonitor(name or ("phone" if number == 1 else f"phone-{number}"), source)
             self._phones[phone.name] = phone

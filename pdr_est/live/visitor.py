@@ -73,7 +73,11 @@ class Visitor:
 
     def _join(self, identity: str) -> Message:
         if identity not in self._phones:
-            self._phones[identity] = BrowserPhone(self._session, self._session.join("browser"))
+            try:
+                phone = self._session.join("browser")
+            except RecordingError as error:  # the page still shows the walk, and may state positions
+                return {"type": "refused", "reason": str(error)}
+            self._phones[identity] = BrowserPhone(self._session, phone)
         self._phone = self._phones[identity]
         return {"type": "joined", "device": self._phone.phone.name}
 

@@ -94,6 +94,27 @@ def test_the_walker_states_a_position(tmp_path: Path, open_page: Callable[..., P
         page.wait_for_selector("body[data-state=ended]", timeout=PATIENCE_MS)
 
 
+def test_a_phone_too_many_is_told_and_may_still_state_positions(
+    tmp_path: Path, open_page: Callable[..., Page]
+) -> None:
+    """A replay has all its phones: the page says so, keeps its connection, and refuses an impossible deviation."""
+    walk = tmp_path / "walk.csv"
+    write_plain_csv(simulate_walk(preset("l_shape")).recording, walk)
+    with live_server("--replay", str(walk), "-o", str(tmp_path / "out")) as address:
+        page = open_page(address, width=390, height=844)
+        wait_until(page, WALKING)
+        page.locator("#sensors").click()
+        wait_until(page, "document.getElementById('phone-state').textContent.includes('no more than 1 phone')")
+        page.locator("#sigma").fill("500")
+        page.locator("#here").click()
+        assert page.locator("#here-hint").is_hidden()
+        page.locator("#sigma").fill("0.5")
+        page.locator("#here").click()
+        page.locator("#map").click(position={"x": 150, "y": 150})
+        wait_until(page, "liveTrack.fixes().length === 1")
+        assert page.locator("#state").inner_text() == "connected"
+
+
 EVENTS = """
 ([times, forces, rates, rate_hz]) => {
   let begun = null;

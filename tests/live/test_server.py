@@ -165,6 +165,16 @@ def test_a_direction_of_huge_numbers_does_no_harm(new_walk: NewWalk) -> None:
         assert heard(page, "pong")["sent"] == 1
 
 
+def test_a_phone_too_many_is_told_and_its_page_stays_open(new_walk: NewWalk) -> None:
+    with served(new_walk(None, phones=1)) as server, link(server) as page:
+        page.send(json.dumps({"type": "phone", "id": "a"}))
+        assert heard(page, "joined")["device"] == "phone"
+        page.send(json.dumps({"type": "phone", "id": "b"}))
+        assert "no more than 1 phone" in heard(page, "refused")["reason"]
+        page.send(json.dumps({"type": "ping", "sent": 1}))
+        assert heard(page, "pong")["sent"] == 1
+
+
 def test_a_message_that_is_too_large_ends_the_connection(new_walk: NewWalk) -> None:
     with served(new_walk(None, message_bytes=10_000)) as server, link(server) as page:
         page.send("x" * 20_000)

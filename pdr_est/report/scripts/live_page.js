@@ -25,6 +25,7 @@ function take(message) {
   else if (message.type === 'status') showStatus(message);
   else if (message.type === 'state') showState(message);
   else if (message.type === 'joined') byId('phone-state').textContent = `Sending as ${message.device}. Keep this page open and the screen on.`;
+  else if (message.type === 'refused') phone.stop(`Not sending: ${message.reason}.`);
 }
 
 function takePoses(message) {
@@ -78,6 +79,7 @@ function showState(message) {
   document.body.dataset.state = message.state;
   byId('stop').disabled = ended;
   byId('here').disabled = ended;
+  if (ended) byId('sensors').disabled = true;
   if (message.state === 'ending') byId('state').textContent = 'the walk has ended: smoothing it';
   if (message.state !== 'ended') return;
   byId('state').textContent = message.report ? 'the walk has ended' : 'the walk has ended: no report, see the notes';
@@ -96,13 +98,15 @@ function addNote(words) {
 byId('sensors').addEventListener('click', () => { byId('sensors').disabled = true; phone.start(); });
 byId('stop').addEventListener('click', () => { if (confirm('End the walk?')) link.send({ type: 'stop' }); });
 byId('here').addEventListener('click', () => {
+  if (!byId('sigma').reportValidity()) return;
   pressed_ms = performance.now();
   byId('here-hint').hidden = false;
 });
 liveMap.leaflet.on('click', (event) => {
-  if (pressed_ms === null) return;
+  if (pressed_ms === null || !byId('sigma').reportValidity()) return;
+  if (!link.isOpen()) { byId('phone-state').textContent = 'No connection: tap again when there is one.'; return; }
   const ago_s = (performance.now() - pressed_ms) / 1000;
-  const sigma_m = Number(byId('sigma').value) || 1;
+  const sigma_m = Number(byId('sigma').value);
   link.send({ type: 'fix', x_m: event.latlng.lng, y_m: event.latlng.lat, sigma_m, ago_s });
   pressed_ms = null;
   byId('here-hint').hidden = true;

@@ -11,7 +11,8 @@ const ORIENTATION_PATIENCE_MS = 1000;
  *
  * @param link  connection by createLink
  * @param onState  called with words that say what happens
- * @returns start(): asks for the sensors, which browsers allow only after a press; reconnect(): call when connected
+ * @returns start(): asks for the sensors, which browsers allow only after a press; reconnect(): call when connected;
+ *     stop(words): sends no more
  */
 function createPhone(link, onState) {
   const identity = crypto.randomUUID ? crypto.randomUUID() : String(Math.random());
@@ -20,6 +21,7 @@ function createPhone(link, onState) {
   let up = null;
   let started_ms = NaN;
   let heard = false;
+  let timer = 0;
 
   async function start() {
     if (typeof DeviceMotionEvent === 'undefined') { onState('This browser knows no motion sensors.'); return; }
@@ -35,8 +37,8 @@ function createPhone(link, onState) {
     window.addEventListener('devicemotion', takeMotion);
     window.addEventListener('deviceorientation', takeOrientation);
     started_ms = performance.now();
-    setInterval(send, SEND_EVERY_MS);
-    setTimeout(() => { if (!heard) onState('No motion sensor answers here.'); }, 3000);
+    timer = setInterval(send, SEND_EVERY_MS);
+    setTimeout(() => { if (!heard && timer) onState('No motion sensor answers here.'); }, 3000);
     keepAwake();
     document.addEventListener('visibilitychange', keepAwake);
     reconnect();
@@ -45,6 +47,17 @@ function createPhone(link, onState) {
 
   function reconnect() {
     if (Number.isFinite(started_ms)) link.send({ type: 'phone', id: identity });
+  }
+
+  function stop(words) {
+    window.removeEventListener('devicemotion', takeMotion);
+    window.removeEventListener('deviceorientation', takeOrientation);
+    document.removeEventListener('visibilitychange', keepAwake);
+    clearInterval(timer);
+    timer = 0;
+    started_ms = NaN;
+    rows = [];
+    onState(words);
   }
 
   async function keepAwake() {
@@ -82,5 +95,5 @@ function createPhone(link, onState) {
     }
   }
 
-  return { start, reconnect };
+  return { start, reconnect, stop };
 }
