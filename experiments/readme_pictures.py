@@ -3,11 +3,12 @@
     python experiments/readme_pictures.py [--browser chromium]
 
 Writes docs/pictures/steps.png, track.png and two-phones.png. With a Chromium-like browser also report.png, the upper
-part of the report that `make demo` writes.
+part of the report that `make demo` writes, and live.png, the live page while two phones are replayed.
 """
 
 import argparse
 import subprocess
+import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from pdr_est import pipeline
 from pdr_est.cli import main as pdr_est
 from pdr_est.config import Config, StartParams
 from pdr_est.estimators.person.track import NAME
+from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.acceleration import plot_acceleration
@@ -37,6 +39,8 @@ SEED = 0
 SIGMA_M = 0.5
 DPI = 100
 REPORT_SIZE = (1000, 1066)  # pixels: header and track
+LIVE_SIZE = (900, 1160)  # pixels: map, numbers and sensors
+LIVE_STEPS = 240
 
 
 def main() -> None:
@@ -51,6 +55,7 @@ def main() -> None:
         figure.savefig(PICTURES / f"{name}.png", dpi=DPI, metadata={"Software": None})
     if browser:
         photograph_report(browser, PICTURES / "report.png")
+        photograph_live_page(browser, PICTURES / "live.png")
 
 
 def photograph_report(browser: str, picture: Path) -> None:
@@ -62,7 +67,38 @@ def photograph_report(browser: str, picture: Path) -> None:
         options += ("--virtual-time-budget=3000",)  # the map is drawn by scripts
         shot = Path(folder) / "shot.png"
         subprocess.run((browser, *options, f"--screenshot={shot}", f"file://{folder}/demo/report.html"), check=True)
-        Image.open(shot).convert("P", palette=Image.Palette.ADAPTIVE, colors=128).save(picture, optimize=True)
+        save_small(shot, picture)
+
+
+def photograph_live_page(browser: str, picture: Path) -> None:
+    """Replay the walk with two phones, and take a screenshot of the live page when the walk is half over."""
+    from playwright.sync_api import sync_playwright
+
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        recording = simulate_walk(with_two_phones(SEED)).recording
+        call = [sys.executable, "-m", "pdr_est", "live", "--port", "0", "--speed", "2", "-o", f"{folder}/live"]
+        for one in recording.devices:
+            write_plain_csv(replace(recording, devices=(one,)), Path(folder) / f"{one.name}.csv")
+            call += ["--replay", f"{folder}/{one.name}.csv"]
+        with subprocess.Popen(call, stdout=subprocess.PIPE, text=True) as live:
+            try:
+                address = (live.stdout.readline() if live.stdout else "").removeprefix("page: ").strip()
+                chromium = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+                page = chromium.new_page(viewport={"width": LIVE_SIZE[0], "height": LIVE_SIZE[1]})
+                page.goto(address)
+                while page.evaluate("liveTrack.rows('fused').length") < LIVE_STEPS:
+                    page.wait_for_timeout(200)
+                page.wait_for_timeout(600)  # the map is drawn again a little later
+                page.screenshot(path=f"{folder}/shot.png")
+                chromium.close()
+            finally:
+                live.kill()
+        save_small(Path(folder) / "shot.png", picture)
+
+
+def save_small(shot: Path, picture: Path) -> None:
+    """Save a screenshot with few colours."""
+    Image.open(shot).convert("P", palette=Image.Palette.ADAPTIVE, colors=128).save(picture, optimize=True)
 
 
 def steps() -> Figure:
