@@ -170,7 +170,7 @@ def test_ctrl_c_ends_all_processes(data: Path, tmp_path: Path) -> None:
         (("ilc21",), r"'ilc21' is not one of .*'ilc20', .* see pdr-est benchmark --help"),
         (
             ("ilc20", "--estimator", "kalman"),
-            r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', .* 'fixed-lag', 'all'",
+            r"'kalman' is not one of 'dead-reckoning', 'map-closed-form', .* 'fixed-lag', 'particle', 'all'",
         ),
         (("ilc20", "--detector", "ear"), r"'ear' is not one of 'auto', .* 'magnitude-peaks', 'all'"),
         (

@@ -14,6 +14,7 @@ from pdr_est.estimators import SPECS, EstimatorName
 from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding, FindingKind
+from pdr_est.types.floor_plan import FloorPlan, WalkableArea
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
@@ -124,6 +125,14 @@ def with_a_long_tether() -> list[Finding]:
     return list(findings_of(both, [], tethers, StartPose(), SIGMA_SCALE, SPECS["factor-graph"]))
 
 
+def with_another_plan() -> list[Finding]:
+    """A walk of 35 m through rooms of 3 m."""
+    corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]])
+    rooms = [WalkableArea(corners + (4.0 * i, 4.0 * j - 10.0)) for i in range(10) for j in range(6)]
+    plan = FloorPlan("mall.geojson", tuple(rooms), np.zeros((0, 2, 2)), 0.2)
+    return found([*straight(50), plan], StartPose((2.0, 0.0), 0.0, 0.2, 0.05), "particle")
+
+
 CASES = {
     "fixes": with_wrong_fixes,
     "fix-accuracy": with_wrong_accuracy,
@@ -135,6 +144,7 @@ CASES = {
     "tether": with_a_long_tether,
     "placement": with_another_place,
     "north": with_wrong_north,
+    "plan": with_another_plan,
 }
 
 

@@ -5,12 +5,12 @@ import json
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
+from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
-from urllib.error import HTTPError
-from urllib.request import Request, urlopen
+from urllib.parse import urlsplit
 
 import numpy as np
 
@@ -81,13 +81,16 @@ class Served:
 
     def ask(self, path: str, content: bytes | None = None, **headers: str) -> tuple[int, str, dict[str, str]]:
         """Status, text and headers of an answer."""
-        request = Request(self.url(path), content, {name.replace("_", "-"): text for name, text in headers.items()})
-        try:
-            with urlopen(request, timeout=20.0) as answer:
-                return answer.status, answer.read().decode(), dict(answer.headers)
-        except HTTPError as error:
-            with error:
-                return error.code, error.read().decode(), dict(error.headers)
+        address = urlsplit(self.url(path))
+        connection = HTTPConnection(str(address.hostname), address.port, timeout=20.0)
+        method = "GET" if content is None else "POST"
+        place = address.path + (f"?{address.query}" if address.query else "")
+        with closing(connection):
+            with suppress(BrokenPipeError, ConnectionResetError):  # refused before all was sent: the answer is there
+                named = {name.replace("_", "-"): text for name, text in headers.items()}
+                connection.request(method, place, content, named)
+            answer = connection.getresponse()
+            return answer.status, answer.read().decode(), dict(answer.headers)
 
 
 @contextmanager
