@@ -102,13 +102,14 @@ def test_it_works_without_a_gyroscope() -> None:
     assert worst_s(clock, 2.0, 1e-4, one) < EXACT_S
 
 
-def test_a_clock_that_jumps_is_doubted() -> None:
+@pytest.mark.parametrize("jump_s", [1.9, 5.0])
+def test_a_clock_that_jumps_is_doubted(jump_s: float) -> None:
     one, two = phones()
     assert two.specific_force is not None
     force = two.specific_force
     middle_s = float(force.time_s.mean())
     jumped = replace(
-        two, specific_force=Signal(np.where(force.time_s < middle_s, 0.0, 1.9) + force.time_s, force.values)
+        two, specific_force=Signal(np.where(force.time_s < middle_s, 0.0, jump_s) + force.time_s, force.values)
     )
     assert estimate_clock_from_motion(one, jumped).poor
 

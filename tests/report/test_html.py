@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 
 from pdr_est.estimators.person.track import fuse
-from pdr_est.report.walk.page import (
-    SCRIPTS,
+from pdr_est.report.page_templates import (
     format_duration,
     format_metric_with_unit,
     format_number,
     format_time_span,
-    render_report,
 )
+from pdr_est.report.walk.page import SCRIPTS, render_report
 from pdr_est.report.walk.summary import package_versions, summarise
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.measurements import StartPose

@@ -14,9 +14,9 @@ from pdr_est.report.comparison import tables
 from pdr_est.report.comparison.comparison_data import comparison_data
 from pdr_est.report.comparison.plots import plot_coverage, plot_distribution, plot_growth, plot_tracks, variant_styles
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
+from pdr_est.report.page_templates import template_environment
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
-from pdr_est.report.walk.page import template_environment
 from pdr_est.report.walk.panels import Panel
 from pdr_est.types.outcome import TrackOutcome
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, marked, pooled_average, with_unit
 from pdr_est.evaluate.paired_comparison import ROUNDING, PairedComparison
 from pdr_est.evaluate.statistics import Average
-from pdr_est.report.walk.page import NO_VALUE, format_number, format_percent
+from pdr_est.report.page_templates import NO_VALUE, format_number, format_percent
 from pdr_est.types.outcome import TrackOutcome
 from pdr_est.types.steps import CarryingMode
 

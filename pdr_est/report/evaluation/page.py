@@ -12,10 +12,10 @@ from pdr_est.report.evaluation.document import Evaluation, metric_rows, missing_
 from pdr_est.report.evaluation.explorable import evaluation_data
 from pdr_est.report.evaluation.plots import plot_errors
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
+from pdr_est.report.page_templates import format_number, template_environment
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.track import plot_track
-from pdr_est.report.walk.page import format_number, template_environment
 from pdr_est.report.walk.panels import Panel
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track, concatenate

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from pdr_est.report.floor_plans.description import Row
+from pdr_est.report.page_templates import template_environment
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.floor_plan import draw_floor_plan
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.track import BOTTOM_IN, TOP_IN, MapWindow, draw_scale_bar
-from pdr_est.report.walk.page import template_environment
 from pdr_est.report.walk.panels import Panel
 from pdr_est.types.floor_plan import FloorPlan
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 from typing import Any
 
 import yaml
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
+from pdr_est.report.page_templates import NO_VALUE, format_duration, format_number, template_environment
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.plots.mode_style import mode_entry
@@ -22,7 +22,6 @@ from pdr_est.types.recording import Recording
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
-NO_VALUE = "–"
 SCRIPTS = (
     *TRACK_MAP_SCRIPTS,
     "packed_columns.js",
@@ -94,64 +93,6 @@ def _map_legend(legend: Sequence[LegendEntry], variants: Mapping[str, Track]) ->
     """Change the legend of the picture into that of the map, which has dots for fixes, and the variants."""
     entries = [replace(one, symbol="dot") if one.symbol == "fix" else one for one in legend]
     return entries + [LegendEntry("line", svg.css_name(svg.INK), name, (0.5, 1.5)) for name in variants]
-
-
-def template_environment() -> Environment:
-    """Make the environment that loads the templates of pages and formats their numbers."""
-    made = Environment(
-        loader=PackageLoader("pdr_est", "report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    made.filters.update(
-        number=format_number,
-        percent=format_percent,
-        seconds=format_duration,
-        metric=format_metric_with_unit,
-        time_span=format_time_span,
-    )
-    return made
-
-
-def format_number(value: float | None, digits: int = 2) -> str:
-    """Format a number for reading; None becomes a dash."""
-    return NO_VALUE if value is None else f"{value:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
-
-
-def format_percent(value: float | None) -> str:
-    """Format a fraction in percent."""
-    return NO_VALUE if value is None else f"{format_number(100.0 * value, 1)} %"
-
-
-def format_duration(value: float | None) -> str:
-    """Format a duration: 8.4 s, 3 min 05 s, 2 h 07 min."""
-    if value is None:
-        return NO_VALUE
-    if round(value, 1) < 60.0:
-        return f"{value:.1f} s"
-    minutes, rest = divmod(round(value), 60)
-    return f"{minutes} min {rest:02d} s" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"
-
-
-def format_time_span(begin_s: float | None, end_s: float | None) -> str:
-    """Format the time span of a finding: 12.0 s, 12.0 to 15.5 s, or the whole walk without one."""
-    if begin_s is None and end_s is None:
-        return "whole walk"
-    if begin_s is None or end_s is None:
-        return f"until {end_s:.1f} s" if begin_s is None else f"from {begin_s:.1f} s on"
-    return f"{begin_s:.1f} s" if begin_s == end_s else f"{begin_s:.1f} to {end_s:.1f} s"
-
-
-def format_metric_with_unit(value: Any, name: str) -> str:
-    """Format a metric with the unit that its name ends in."""
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        return NO_VALUE if value is None else str(value)
-    if isinstance(value, int):
-        return format_number(value, 0)
-    unit = next((sign for suffix, sign in (("_m", "m"), ("_deg", "°"), ("_s", "s")) if name.endswith(suffix)), "")
-    return f"{format_number(value, 2 if unit else 3)} {unit}".strip()
 
 
 def _tiles(summary: Json) -> list[tuple[str, str]]:
