@@ -2,9 +2,8 @@
 
 from collections.abc import Sequence
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
+from pdr_est.report.page_templates import template_environment
 
 _SCRIPTS = ("dom.js", "live_link.js", "live_phone.js", "live_track.js", "live_page.js")
 _NO_FRAMES = "frame-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -25,7 +24,7 @@ def render_live_page(modes: Sequence[str]) -> tuple[str, str]:
         its own server and shows the report of that server, and nothing else.
     """
     assets = inline_assets(["leaflet"], [*TRACK_MAP_SCRIPTS, *_SCRIPTS])
-    templates = Environment(loader=PackageLoader("pdr_est", "report"), autoescape=True, undefined=StrictUndefined)
-    page = templates.get_template("live.html.j2").render(assets=assets, modes=inline_json(list(modes)))
+    template = template_environment().get_template("live.html.j2")
+    page = template.render(assets=assets, modes=inline_json(list(modes)))
     policy = assets.policy(connect=["'self'"])
     return page, f"{policy}; {_NO_FRAMES}"

@@ -9,7 +9,7 @@ import pytest
 import pdr_est.report
 
 SCRIPTS = sorted((Path(pdr_est.report.__file__).parent / "scripts").glob("*.js"))
-MOST_LINES = 300
+MOST_LINES, MOST_COLUMNS = 300, 121
 # Elements made of text, code made of text, and anything from elsewhere have no place in a page of untrusted names.
 FORBIDDEN = re.compile(
     r"\beval\(|new Function|document\.write|insertAdjacentHTML|outerHTML|\bimport\b|XMLHttpRequest"
@@ -20,6 +20,7 @@ FORBIDDEN = re.compile(
 def test_a_script_is_small_strict_and_says_what_it_does(script: Path) -> None:
     text = script.read_text(encoding="utf-8")
     assert text.count("\n") <= MOST_LINES
+    assert max(map(len, text.splitlines())) <= MOST_COLUMNS
     assert re.match(r"/\*\* [A-Z][a-z]+ .*[^*]\*/\n'use strict';\n", text)
     assert not FORBIDDEN.search(text)
 

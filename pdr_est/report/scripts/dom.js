@@ -1,8 +1,10 @@
 /** Find and make elements of a page, and write numbers for reading. */
 'use strict';
 
-/** Find the element of an id. */
-const byId = (id) => document.getElementById(id);
+/** Find an element by its identity; null if the page has none. */
+function byId(id) {
+  return document.getElementById(id);
+}
 
 /** Make an element with properties and children, which are elements or texts. */
 function makeElement(tag, properties = {}, ...children) {

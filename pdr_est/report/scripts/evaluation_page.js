@@ -3,31 +3,28 @@
 
 /** Fill the sections of the page from its data, and show them in place of the pictures. */
 function exploreEvaluation() {
-  const data = JSON.parse(document.getElementById('evaluation-data').textContent);
+  const data = JSON.parse(byId('evaluation-data').textContent);
   const cursor = createTimeCursor(data.begin_s, data.end_s);
   document.documentElement.classList.add('scripted');
   const map = makeEvaluationMap(data, cursor);
-  fillPlaybackBar(document.getElementById('playback'), cursor);
-  fillWindowBar(document.getElementById('time-window'), cursor);
+  fillPlaybackBar(byId('playback'), cursor);
+  fillWindowBar(byId('time-window'), cursor);
   const series = data.devices.map(({ name, colour, errors }) => {
     const { time_s, error_m } = unpackColumns(errors);
     return { name, colour, time_s, values: error_m, width: 1.8 };
   });
   const chart = { title: 'error at the true positions', unit: 'm', digits: 2, height: 190, series };
-  createTimeChart(document.getElementById('charts'), chart, cursor);
-  fillDeviceToggles(document.getElementById('map-toggles'), data, map);
+  createTimeChart(byId('charts'), chart, cursor);
+  fillDeviceToggles(byId('map-toggles'), data, map);
   cursor.setTime(data.begin_s);
 }
 
 /** Draw the tracks of all devices, the true positions, and a line from each of them to where the track was. */
 function makeEvaluationMap(data, cursor) {
-  const onPick = (time_s, device, index, pressed) => {
-    if (pressed) cursor.pause();
-    if (!cursor.playing) cursor.setTime(time_s);
-  };
   // Each device is a mode of its own: the mode of a track from another program is not known.
   const modes = data.devices.map(({ name, colour }) => ({ name, colour, dashes: [] }));
-  const map = createTrackMap(document.getElementById('track-map'), { north: data.north, modes, onPick });
+  const options = { north: data.north, modes, onPick: timePicker(cursor) };
+  const map = createTrackMap(byId('track-map'), options);
   map.setDevices(data.devices.map(({ name }) => ({ name, colour: null })));
   data.devices.forEach(({ name, poses }, number) => {
     const columns = unpackColumns(poses);

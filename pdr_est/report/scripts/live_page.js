@@ -1,7 +1,10 @@
 /** Show a walk while it happens: map, numbers, sensors, what is missing, and the report at the end. */
 'use strict';
 
-const MODE_WORDS = { UNKNOWN: 'not recognised', HOLDING: 'in the hand', SWING: 'swinging hand', POCKET: 'pocket', OTHER: 'elsewhere', TRANS: 'changing' };
+const MODE_WORDS = {
+  UNKNOWN: 'not recognised', HOLDING: 'in the hand', SWING: 'swinging hand', POCKET: 'pocket', OTHER: 'elsewhere',
+  TRANS: 'changing',
+};
 const KEPT_DELAYS = 2000;
 
 const modeNames = JSON.parse(byId('modes').textContent);
@@ -24,8 +27,12 @@ function take(message) {
   else if (message.type === 'notes') message.notes.forEach(addNote);
   else if (message.type === 'status') showStatus(message);
   else if (message.type === 'state') showState(message);
-  else if (message.type === 'joined') byId('phone-state').textContent = `Sending as ${message.device}. Keep this page open and the screen on.`;
+  else if (message.type === 'joined') showJoined(message.device);
   else if (message.type === 'refused') phone.stop(`Not sending: ${message.reason}.`);
+}
+
+function showJoined(device) {
+  byId('phone-state').textContent = `Sending as ${device}. Keep this page open and the screen on.`;
 }
 
 function takePoses(message) {
@@ -60,18 +67,19 @@ function showStatus(status) {
   byId('missing').replaceChildren(...status.missing.map((words) => makeElement('li', {}, words)));
   byId('missing-box').hidden = status.missing.length === 0;
   byId('phones').replaceChildren(...status.phones.map((one) => {
-    const rates = one.sensors.map((sensor) => (
-      `${sensor.name} ${sensor.rate_hz ? `${sensor.rate_hz.toFixed(0)} Hz` : `silent after ${sensor.samples} samples`}`
-    )).join(', ');
-    const line = makeElement('tr');
-    line.append(makeElement('th', {}, one.name), makeElement('td', {}, rates || 'nothing yet'), makeElement('td', {}, `${one.steps} steps`));
-    return line;
+    const rates = one.sensors.map(sensorText).join(', ') || 'nothing yet';
+    const cells = [rates, `${one.steps} steps`].map((text) => makeElement('td', {}, text));
+    return makeElement('tr', {}, makeElement('th', {}, one.name), ...cells);
   }));
 }
 
 /** Write the floor and the height, such as 2, +7.1 ± 0.4 m. */
 function floorText({ floor, height_m, sigma_m }) {
   return `${floor}, ${height_m < 0 ? '−' : '+'}${Math.abs(height_m).toFixed(1)} ± ${sigma_m.toFixed(1)} m`;
+}
+
+function sensorText({ name, rate_hz, samples }) {
+  return `${name} ${rate_hz ? `${rate_hz.toFixed(0)} Hz` : `silent after ${samples} samples`}`;
 }
 
 function showState(message) {

@@ -16,7 +16,8 @@ const ORIENTATION_PATIENCE_MS = 1000;
  */
 function createPhone(link, onState) {
   const identity = crypto.randomUUID ? crypto.randomUUID() : String(Math.random());
-  const isIos = /iPad|iPhone|iPod/.test(navigator.userAgent) || (/Mac/.test(navigator.userAgent) && navigator.maxTouchPoints > 1);
+  const isTouchedMac = /Mac/.test(navigator.userAgent) && navigator.maxTouchPoints > 1;  // an iPad says so
+  const isIos = /iPad|iPhone|iPod/.test(navigator.userAgent) || isTouchedMac;
   let rows = [];
   let up = null;
   let started_ms = NaN;
@@ -28,7 +29,8 @@ function createPhone(link, onState) {
     if (!window.isSecureContext) { onState('Motion sensors need the https address.'); return; }
     try {
       for (const kind of [DeviceMotionEvent, window.DeviceOrientationEvent]) {
-        if (kind && kind.requestPermission && (await kind.requestPermission()) !== 'granted') throw new Error('refused');
+        const answer = kind && kind.requestPermission ? await kind.requestPermission() : 'granted';
+        if (answer !== 'granted') throw new Error('refused');
       }
     } catch (error) {
       onState('The sensors were not allowed: load the page again and allow them.');
@@ -83,7 +85,8 @@ function createPhone(link, onState) {
     const rate = event.rotationRate || {};
     if (!Number.isFinite(time_s)) return;
     heard = heard || Number.isFinite(force.x);
-    rows.push([time_s, force.x, force.y, force.z, rate.alpha, rate.beta, rate.gamma].map((v) => (Number.isFinite(v) ? v : null)));
+    const row = [time_s, force.x, force.y, force.z, rate.alpha, rate.beta, rate.gamma];
+    rows.push(row.map((value) => (Number.isFinite(value) ? value : null)));
     if (rows.length > MOST_ROWS) rows = rows.slice(-MOST_ROWS);
   }
 

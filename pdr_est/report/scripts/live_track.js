@@ -93,7 +93,9 @@ function createLiveTrack(map) {
   function way_m(name) {
     const { rows } = devices.get(name) || { rows: [] };
     let way = 0;
-    for (let i = 1; i < rows.length; i += 1) way += Math.hypot(rows[i][3] - rows[i - 1][3], rows[i][4] - rows[i - 1][4]);
+    for (let i = 1; i < rows.length; i += 1) {
+      way += Math.hypot(rows[i][3] - rows[i - 1][3], rows[i][4] - rows[i - 1][4]);
+    }
     return way;
   }
 
@@ -101,9 +103,7 @@ function createLiveTrack(map) {
     rows: (name) => (devices.get(name) || { rows: [] }).rows };
 }
 
-/** Turn rows of poses to the columns that a map takes. */
+/** Turn rows of poses, which hold the device and then POSE_COLUMNS, into the columns that a map takes. */
 function columnsOf(rows) {
-  const names = ['time_s', 'from_s', 'x_m', 'y_m', 'cxx_m2', 'cxy_m2', 'cyy_m2', 'heading_deg', 'sigma_heading_deg',
-    'mode', 'length_m'];
-  return Object.fromEntries(names.map((name, i) => [name, rows.map((row) => row[i + 1])]));
+  return Object.fromEntries(POSE_COLUMNS.map((name, i) => [name, rows.map((row) => row[i + 1])]));
 }

@@ -7,9 +7,9 @@ const CHART_TICKS_S = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 90
  * Create a chart.
  *
  * @param element  where it is drawn, as wide as this
- * @param spec     title, unit, digits, height; range: [low, high] of the y axis, null where the data decide; series:
- *   [{name, colour, time_s, values, dots, hollow, half}], dots: drawn as dots and not as a line, half: half lengths of
- *   intervals about the values; under(u) and over(u): draw on the canvas below and above the data
+ * @param spec     title, unit, digits, height; range: [low, high] of the y axis, null where the data decide;
+ *   series: [{name, colour, time_s, values, dots, hollow, half}], dots: drawn as dots and not as a line, half: half
+ *   lengths of intervals about the values; under(u) and over(u): draw on the canvas below and above the data
  * @param cursor   result of createTimeCursor
  */
 function createTimeChart(element, spec, cursor) {

@@ -1,6 +1,14 @@
 /** Keep the one time that map, plots and table show, the time window of the plots, and the playback. */
 'use strict';
 
+/** Create the answer of a map to the pointer: the time of a pose near it is shown; a press ends the playback. */
+function timePicker(cursor) {
+  return (time_s, device, index, pressed) => {
+    if (pressed) cursor.pause();
+    if (!cursor.playing) cursor.setTime(time_s);
+  };
+}
+
 /**
  * Create the time cursor of a page.
  *

@@ -16,8 +16,7 @@ const NEAR_FIX_S = 2;
  * @param element  where the map is drawn; its size is set by CSS
  * @param options  north: true if up is north; modes: [{name, colour, dashes}] by the number of a mode;
  *   onPick(time_s, device, index, pressed): called when the pointer is near a pose (pressed: clicked or tapped)
- * @returns setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, setNorth, show, fit, refreshColours,
- *   leaflet
+ * @returns setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet
  */
 function createTrackMap(element, options = {}) {
   const map = L.map(element, {
@@ -32,7 +31,6 @@ function createTrackMap(element, options = {}) {
   let devices = [];
   const marks = { truth: null, fixes: [], variants: [], doubts: [] };
   let cursor_s = null;
-  let north = null;
   let frame = 0;
 
   L.control.scale({ imperial: false, maxWidth: 140 }).addTo(map);
@@ -44,7 +42,7 @@ function createTrackMap(element, options = {}) {
   map.on('click', (event) => pick(event, true));
   if (window.ResizeObserver) new ResizeObserver(() => map.invalidateSize({ pan: false })).observe(element);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refreshColours);
-  setNorth(Boolean(options.north));
+  if (options.north) addNorthArrow(map);
 
   /** Replace the devices: [{name, colour}]; a colour of null draws the line in the colours of the modes. */
   function setDevices(named) {
@@ -151,12 +149,6 @@ function createTrackMap(element, options = {}) {
     if (shown && visible.ellipses) one.layers.ellipses.addTo(map); else one.layers.ellipses.remove();
   }
 
-  /** Show an arrow to north, or none where north is unknown. */
-  function setNorth(known) {
-    if (north) north.remove();
-    north = known ? addNorthArrow(map) : null;
-  }
-
   /** Show everything: all poses, variants, fixes and the truth. */
   function fit() {
     const bounds = L.latLngBounds([]);
@@ -192,8 +184,7 @@ function createTrackMap(element, options = {}) {
     drawCursor();
   }
 
-  return { setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, setNorth, show, fit,
-    refreshColours, leaflet: map };
+  return { setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet: map };
 }
 
 /** Make one canvas for each kind of marks, so that their order never changes; returns Leaflet's options by kind. */

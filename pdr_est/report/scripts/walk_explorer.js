@@ -3,7 +3,7 @@
 
 /** Fill the sections of the page from its data, and show them in place of the pictures. */
 function exploreWalk() {
-  const data = JSON.parse(document.getElementById('walk-data').textContent);
+  const data = JSON.parse(byId('walk-data').textContent);
   const cursor = createTimeCursor(data.begin_s, data.end_s);
   const signals = data.signals.map(unpackSignal);
   const fixes = data.fixes.map((one) => ({ ...one, columns: unpackColumns(one.columns) }));
@@ -13,12 +13,12 @@ function exploreWalk() {
   const tables = data.devices.map((one) => ({ ...one, table: unpackColumns(one.poses) }));
   document.documentElement.classList.add('scripted');
   const map = makeWalkMap(data, tables, fixes, cursor);
-  fillToggles(document.getElementById('map-toggles'), data, map);
-  fillPlaybackBar(document.getElementById('playback'), cursor);
-  fillWindowBar(document.getElementById('time-window'), cursor);
+  fillToggles(byId('map-toggles'), data, map);
+  fillPlaybackBar(byId('playback'), cursor);
+  fillWindowBar(byId('time-window'), cursor);
   const devices = tables.map((one) => ({ name: one.name, poses: posesOf(one.table) }));
-  fillCursorTable(document.getElementById('cursor-table'), devices, data.modes, cursor);
-  const charts = document.getElementById('charts');
+  fillCursorTable(byId('cursor-table'), devices, data.modes, cursor);
+  const charts = byId('charts');
   walkCharts(signals, tables, fixes, data.modes, height).forEach((spec) => createTimeChart(charts, spec, cursor));
   cursor.setTime(data.begin_s);
 }
@@ -41,11 +41,8 @@ function posesOf(table) {
 }
 
 function makeWalkMap(data, tables, fixes, cursor) {
-  const onPick = (time_s, device, index, pressed) => {
-    if (pressed) cursor.pause();
-    if (!cursor.playing) cursor.setTime(time_s);
-  };
-  const map = createTrackMap(document.getElementById('track-map'), { north: data.north, modes: data.modes, onPick });
+  const options = { north: data.north, modes: data.modes, onPick: timePicker(cursor) };
+  const map = createTrackMap(byId('track-map'), options);
   map.setDevices(data.devices.map(({ name, line }) => ({ name, colour: line })));
   tables.forEach(({ name, table }) => map.append(name, table));
   if (data.truth) map.setTruth(unpackColumns(data.truth));

@@ -10,7 +10,7 @@ const FIRST_COLUMNS = 2;  // the walk, and how far it is off
  *   (or null), count, table, pages
  * @param data  of readComparison
  * @param onChoose  called with the row that the reader chose
- * @returns metric(), choose(row), step(by): choose the row before or after in the present order, and order()
+ * @returns choose(row), step(by): choose the row before or after in the present order, and order()
  */
 function createWalkTable(parts, data, onChoose) {
   const state = { metric: data.first_metric, column: 1, direction: -1, page: 0, chosen: -1, order: [] };
@@ -135,7 +135,7 @@ function createWalkTable(parts, data, onChoose) {
   }
 
   refresh();
-  return { choose, step, order: () => state.order, metric: () => state.metric };
+  return { choose, step, order: () => state.order };
 }
 
 /** Create the cell of a value, which is emphasised if it is the best one. */

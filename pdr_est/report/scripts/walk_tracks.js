@@ -57,5 +57,5 @@ function createWalkTracks(parts, data) {
     parts.values.replaceChildren(top, makeElement('tbody', {}, ...rows));
   }
 
-  return { show, map };
+  return { show };
 }
