@@ -61,8 +61,8 @@ class FloorPlan:
     @cached_property
     def borders_m(self) -> Array:
         """All edges of outlines and holes: begin and end of each (n, 2, 2), east and north, m."""
-        rings = [_edges(ring) for ring in self._rings()]
-        return np.concatenate(rings) if rings else np.empty((0, 2, 2))
+        edges = [_edges(ring) for ring in self.rings_m()]
+        return np.concatenate(edges) if edges else np.empty((0, 2, 2))
 
     @cached_property
     def barriers_m(self) -> Array:
@@ -115,7 +115,8 @@ class FloorPlan:
             distance_m[outside[part]] = _nearest_edge_m(position_m[outside[part]], self.borders_m)
         return distance_m
 
-    def _rings(self) -> Iterator[Array]:
+    def rings_m(self) -> Iterator[Array]:
+        """Yield the corners (n, 2), m, of every outline and hole."""
         for area in self.areas:
             yield area.outline_m
             yield from area.holes_m

@@ -99,13 +99,8 @@ def polygons_of(geometry: Any, name: str, place: str) -> list[DrawnPolygon]:
     FloorPlanError
         For coordinates that are no rings.
     """
-    return [
-        DrawnPolygon(name, tuple(_ring(ring, name, place) for ring in _list(polygon, name, place)))
-        for kind, content in _simple_parts(geometry)
-        if kind == "Polygon"
-        for polygon in [content]
-        if _list(polygon, name, place)
-    ]
+    rings = [_list(content, name, place) for kind, content in _simple_parts(geometry) if kind == "Polygon"]
+    return [DrawnPolygon(name, tuple(_ring(ring, name, place) for ring in polygon)) for polygon in rings if polygon]
 
 
 def _add(drawn: DrawnFloor, geometry: Any, kind: Any, name: str, place: str) -> None:

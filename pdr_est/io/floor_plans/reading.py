@@ -94,7 +94,7 @@ def read_floor_plans(
     if beside is not None and info is not None:
         floor = source.folder_name(member)
         drawn, notes = competition_floor(document, info, place, beside.place(beside.members[0]))
-        return (_plan(drawn, place, floor, floor, None, sigma_m or SIGMA_DRAWING_M, notes),)
+        return (_plan(drawn, place, floor, floor, None, sigma_m or SIGMA_DRAWING_M, notes, repair=True),)
     if Path(member).name == MAP:
         raise FloorPlanError(
             f"{place}: {INFO} is not beside it, which has width and height: put both into one folder"
@@ -147,10 +147,11 @@ def _plan(
     floor: str,
     origin: GeoOrigin | None,
     sigma_m: float,
-    notes: tuple[str, ...] | None = None,
+    notes: tuple[str, ...] = (),
+    repair: bool = False,
 ) -> FloorPlan:
-    """Make the record of a floor; a plan with `notes` is one that nobody can mend."""
+    """Make the record of a floor; `repair` is for maps that the user cannot correct."""
     where = f"{place}, floor {floor}" if floor else place
-    areas, repaired = walkable_areas(drawn, where, repair=notes is not None)
+    areas, repaired = walkable_areas(drawn, where, repair)
     crossing = (f"{repaired} outlines cross themselves and are divided at the crossings",) if repaired else ()
-    return FloorPlan(name, areas, wall_segments(drawn.walls), sigma_m, floor, origin, (*(notes or ()), *crossing))
+    return FloorPlan(name, areas, wall_segments(drawn.walls), sigma_m, floor, origin, (*notes, *crossing))

@@ -119,8 +119,7 @@ class LineBackground:
 
 def plan_background(plan: FloorPlan) -> LineBackground:
     """Return the borders and walls of a floor plan as lines."""
-    rings = [ring for area in plan.areas for ring in (area.outline_m, *area.holes_m)]
-    return LineBackground((*(np.vstack([ring, ring[:1]]) for ring in rings), *plan.walls_m))
+    return LineBackground((*(np.vstack([ring, ring[:1]]) for ring in plan.rings_m()), *plan.walls_m))
 
 
 @dataclass(frozen=True)
