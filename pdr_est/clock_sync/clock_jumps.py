@@ -4,16 +4,22 @@ import numpy as np
 
 from pdr_est.clock_sync.common_signals import INTENSITY_HZ, RATE_HZ, CommonSignals
 from pdr_est.clock_sync.robust_line import ClockLine
-from pdr_est.clock_sync.windows import comparison_windows, window_correlations
+from pdr_est.clock_sync.windows import (
+    comparison_windows,
+    correlation_log_likelihood_ratio,
+    window_correlations,
+)
 
+# All ours.
 _WINDOW_S, _LEAST_S = 30.0, 12.0  # length and least length of the windows
 _REACH_S = 8.0  # longest jump that is searched; longer ones leave little of the walk that agrees
 _STRIDE = 10  # samples from one compared value to the next: intensity and turns change slowly
 _SAME_SHIFT_S = 0.4  # shifts that are closer are the same
+_MOST_ALIKE = 0.98  # largest correlation of intensity or turns that is believed
 
 
 def jump_log_likelihood_ratio(one: CommonSignals, two: CommonSignals, line: ClockLine) -> float:
-    """Compute how much better another shift fits the window of half a minute in which it fits best.
+    """Compute the log-likelihood ratio of another shift in the window of half a minute in which it fits best.
 
     Intensity and turns as Gaussian signals with correlation r have the log-likelihood ratio -n / 2 log(1 - r^2). The
     number n of independent samples of a window is twice the greatest frequency of the signals times its duration.
@@ -43,6 +49,6 @@ def jump_log_likelihood_ratio(one: CommonSignals, two: CommonSignals, line: Cloc
         fit = np.zeros(2 * reach + 1)
         for a, b in kinds:
             correlations = window_correlations(a[few], np.interp(time_s, two.time_s, b))
-            fit -= 0.5 * independent * np.log1p(-(np.clip(correlations, 0.0, 0.98) ** 2))
+            fit += 0.5 * independent * correlation_log_likelihood_ratio(correlations, _MOST_ALIKE)
         greatest = max(greatest, float(fit.max() - fit[reach - near : reach + near + 1].max()))
     return greatest

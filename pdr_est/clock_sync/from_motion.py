@@ -16,7 +16,8 @@ from pdr_est.clock_sync.clock_jumps import jump_log_likelihood_ratio
 from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals, extract_common_signals
 from pdr_est.clock_sync.robust_line import SIGMA_SKEW, ClockLine, constant_offset_line, fit_clock_line
 from pdr_est.clock_sync.same_walk import same_walk_log_odds
-from pdr_est.clock_sync.step_matching import match_steps, step_at, without_alternation
+from pdr_est.clock_sync.step_duration import step_samples_in_window
+from pdr_est.clock_sync.step_matching import match_steps, without_alternation
 from pdr_est.clock_sync.windows import comparison_windows
 from pdr_est.frames import Array
 from pdr_est.params import Fraction, Positive, params
@@ -213,7 +214,7 @@ def _search_heel_strikes(
             continue
         middle_s = float(one.time_s[rows].mean())
         difference_s = float(line.difference_at(np.array(middle_s)))
-        step = step_at(one, two, rows, difference_s)
+        step = step_samples_in_window(one, two, rows, difference_s)
         here: Array = without_alternation(one, one.heel_strikes_mps2, one.time_s[rows[0]], len(rows), step)
         first_s = one.time_s[rows[0]] + difference_s - (reach + step) / RATE_HZ
         fine: Array = there(first_s + _LAG_S * np.arange(_LAGS * (len(rows) + 2 * reach + step)))

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 
 from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals
 from pdr_est.clock_sync.robust_line import constant_offset_line
-from pdr_est.clock_sync.step_matching import step_at, without_alternation
+from pdr_est.clock_sync.step_duration import step_samples_in_window
+from pdr_est.clock_sync.step_matching import without_alternation
 from pdr_est.clock_sync.windows import comparison_windows, window_correlations
 
 _WINDOW_S, _LEAST_S = 60.0, 25.0  # length and least length of long windows, in which rhythms drift apart
 _SHORT_WINDOW_S, _LEAST_SHORT_S = 20.0, 15.0  # and of short ones, most of which a clock that jumps leaves whole
 _SEARCH_S = 1.5  # about the shift that is known
 _MOST_ALIKE = 0.985  # square of a correlation; no two places on a body feel steps more alike, ours
-_WALKING = 0.5  # mean magnitude of the step phasor of a device that is walked with
+_WALKING = 0.5  # mean magnitude of the step phasor of a device that is walked with; ours
 
 # Powers a of the density a x^(a - 1), and shares of windows with that density instead of chance, in one walk and in
 # different walks. Fitted by maximum likelihood to windows of 25 to 60 s of WeAllWalk and, as more pairs of different
@@ -78,7 +79,8 @@ def _walked(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], shi
 
 def _window_log_odds(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], shift_s: float) -> float:
     """Compute the log-odds from one window: from the best step correlation, and the turns at the same shift."""
-    step, reach, start_s = step_at(one, two, rows, shift_s), round(_SEARCH_S * RATE_HZ), one.time_s[rows[0]]
+    step = step_samples_in_window(one, two, rows, shift_s)
+    reach, start_s = round(_SEARCH_S * RATE_HZ), one.time_s[rows[0]]
     here = without_alternation(one, one.step_phasor, start_s, len(rows), step)
     start_there_s = start_s + shift_s - reach / RATE_HZ
     there = without_alternation(two, two.step_phasor, start_there_s, len(rows) + 2 * reach, step)

@@ -7,7 +7,7 @@ with the stride, and an odd multiple of the stride frequency may be the stronges
 import numpy as np
 from numpy.typing import NDArray
 
-from pdr_est.clock_sync.common_signals import RATE_HZ
+from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals
 
 _STEP_S = (0.35, 0.9)  # durations of a step, ours
 _STRIDE_WEIGHT = 4.0  # relative to the step, which an uneven gait does not repeat; ours
@@ -29,3 +29,9 @@ def usual_step_samples(one: NDArray[np.complex128], two: NDArray[np.complex128])
         repeats += np.fft.ifft(power)[: 2 * last + 1].real / max(float(power.mean()), 1e-12)
     steps = np.arange(first, last + 1)
     return int(steps[np.argmax(repeats[steps] + _STRIDE_WEIGHT * repeats[2 * steps])])
+
+
+def step_samples_in_window(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], shift_s: float) -> int:
+    """Find the usual duration of a step, in samples, in a window of two devices whose clocks differ by `shift_s`."""
+    there = np.interp(one.time_s[rows] + shift_s, two.time_s, two.step_phasor, left=0.0, right=0.0)
+    return usual_step_samples(one.step_phasor[rows], there)

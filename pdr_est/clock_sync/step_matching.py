@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.clock_sync.common_signals import RATE_HZ, CommonSignals
-from pdr_est.clock_sync.step_duration import usual_step_samples
-from pdr_est.clock_sync.windows import window_correlations, window_variances
+from pdr_est.clock_sync.step_duration import step_samples_in_window
+from pdr_est.clock_sync.windows import correlation_log_likelihood_ratio, window_correlations, window_variances
 from pdr_est.frames import Array
 
 # All ours, chosen on WeAllWalk.
@@ -22,6 +22,7 @@ _SEARCH_S = 1.5  # about the shift that is known
 _SAME_STEP_S = 0.25  # shifts further apart belong to different steps
 _STEP_WEIGHT = 3.0  # relative to turns, of which there are fewer
 _LOG_INTENSITY_SIGMA = 0.2  # between two legs
+_MOST_ALIKE = 0.999  # largest correlation that is believed
 
 
 @dataclass(frozen=True)
@@ -59,25 +60,20 @@ def match_steps(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64],
     shift_s
         Known difference of the clocks, s.
     """
-    step = step_at(one, two, rows, shift_s)
+    step = step_samples_in_window(one, two, rows, shift_s)
     reach = round(_SEARCH_S * RATE_HZ)
     step_correlation = _correlations(one, two, one.step_phasor, two.step_phasor, rows, shift_s, reach, step)
-    score = _STEP_WEIGHT * _log_likelihood_ratio(step_correlation)
+    score = _STEP_WEIGHT * correlation_log_likelihood_ratio(step_correlation, _MOST_ALIKE)
     if one.turn_rate_radps is not None and two.turn_rate_radps is not None:
         turns, other_turns = one.turn_rate_radps, two.turn_rate_radps
-        score += _log_likelihood_ratio(_correlations(one, two, turns, other_turns, rows, shift_s, reach, step))
+        turn_correlation = _correlations(one, two, turns, other_turns, rows, shift_s, reach, step)
+        score += correlation_log_likelihood_ratio(turn_correlation, _MOST_ALIKE)
     intensity_variance = _intensity_difference_variance(one, two, rows, shift_s, reach)
     score = score - 0.5 * intensity_variance / _LOG_INTENSITY_SIGMA**2
     best = int(np.argmax(score))
     other = np.abs(np.arange(len(score)) - best) > _SAME_STEP_S * RATE_HZ
-    lag_s = (best - round(_SEARCH_S * RATE_HZ)) / RATE_HZ
+    lag_s = (best - reach) / RATE_HZ
     return StepMatch(shift_s + lag_s, float(step_correlation[best]), float(score[best] - score[other].max()))
-
-
-def step_at(one: CommonSignals, two: CommonSignals, rows: NDArray[np.int64], shift_s: float) -> int:
-    """Find the usual duration of a step, in samples, in a window of two devices (see `match_steps`)."""
-    there = np.interp(one.time_s[rows] + shift_s, two.time_s, two.step_phasor, left=0.0, right=0.0)
-    return usual_step_samples(one.step_phasor[rows], there)
 
 
 def without_alternation(
@@ -99,12 +95,6 @@ def without_alternation(
     time_s = start_s + np.arange(-step, count) / RATE_HZ
     there = np.asarray(np.interp(time_s, signals.time_s, values, left=0.0, right=0.0))
     return np.asarray(0.5 * (there[step:] + there[:-step]))
-
-
-def _log_likelihood_ratio(correlations: Array) -> Array:
-    """Compute -log(1 - r^2) of correlations r, with negative ones as zero."""
-    ratio: Array = -np.log1p(-(np.minimum(np.maximum(correlations, 0.0), 0.999) ** 2))
-    return ratio
 
 
 def _correlations(

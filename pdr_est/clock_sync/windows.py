@@ -54,6 +54,20 @@ def window_correlations(values: NDArray[np.inexact], longer: NDArray[np.inexact]
     return np.asarray((windows @ np.conj(centred)).real / (deviation * max(float(np.linalg.norm(centred)), 1e-12)))
 
 
+def correlation_log_likelihood_ratio(correlations: Array, most: float) -> Array:
+    """Compute -log(1 - r^2), the log-likelihood ratio of two samples of Gaussian signals with correlation r.
+
+    Parameters
+    ----------
+    correlations
+        Correlations r, (n,); negative ones count as zero.
+    most
+        Largest correlation that is believed; greater ones count as this.
+    """
+    ratio: Array = -np.log1p(-(np.clip(correlations, 0.0, most) ** 2))
+    return ratio
+
+
 def window_variances(values: NDArray[Any], size: int) -> Array:
     """Compute the variance of every window of so many real or complex values, by running sums."""
     centred = values - values.mean()
