@@ -128,7 +128,7 @@ def with_a_long_tether() -> list[Finding]:
 def with_another_plan() -> list[Finding]:
     """A walk of 35 m through rooms of 3 m."""
     corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]])
-    rooms = [WalkableArea(corners + (4.0 * i, 4.0 * j - 10.0)) for i in range(10) for j in range(6)]
+    rooms = [WalkableArea(corners + np.array([4.0 * i, 4.0 * j - 10.0])) for i in range(10) for j in range(6)]
     plan = FloorPlan("mall.geojson", tuple(rooms), np.zeros((0, 2, 2)), 0.2)
     return found([*straight(50), plan], StartPose((2.0, 0.0), 0.0, 0.2, 0.05), "particle")
 

@@ -43,7 +43,8 @@ function walkCharts(signals, devices, fixes, modes, height) {
 function heightChart({ time_s, height_m, sigma_m }, moves) {
   const half = sigma_m.map((s) => SIGMA_95 * s);
   const series = [{ name: 'height', colour: '--series-1', time_s, values: height_m, half }];
-  return { title: 'Height above the floor at the start', unit: 'm', digits: 1, series, under: (u) => drawGaps(u, moves) };
+  const title = 'Height above the floor at the start';
+  return { title, unit: 'm', digits: 1, series, under: (u) => drawGaps(u, moves) };
 }
 
 /** Show the number of the floor. */
@@ -66,7 +67,8 @@ function residualChart(fixes) {
     const [time_s, values, bound_m] = [columns.time_s, columns.distance_m, columns.bound_m].map(pick);
     return { name: kind, colour: given ? '--fix' : '--ink', time_s, values, bound_m, dots: true, hollow: !given };
   });
-  const most = Math.max(0.1, ...series.flatMap((one) => [...one.values, middleOf(one.bound_m)]).filter(Number.isFinite));
+  const reached_m = series.flatMap((one) => [...one.values, middleOf(one.bound_m)]);
+  const most = Math.max(0.1, ...reached_m.filter(Number.isFinite));
   return {
     title: 'Distance between known positions and track', unit: 'm', digits: 2, height: 150, series,
     range: [0, 1.1 * most],
