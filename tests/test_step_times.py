@@ -59,6 +59,23 @@ def test_wherever_in_a_step_the_recording_begins(detector: str) -> None:
         assert_times_are_sound(trim_recording(simulated(), float(begin_s), float(begin_s) + 6.0), config)
 
 
+def way_m(recording: Recording, from_s: float, to_s: float) -> float:
+    """Length of the steps between two times; a step across a border counts for its part."""
+    (walk,) = pipeline.analyse_recording(recording, DEAD_RECKONING)
+    start_s, end_s, length_m = np.array([(step.start_s, step.time_s, step.length_m) for step in walk.steps]).T
+    within_s = np.minimum(end_s, to_s) - np.maximum(start_s, from_s)
+    return float((length_m * np.clip(within_s / (end_s - start_s), 0.0, 1.0)).sum())
+
+
+def test_a_recording_that_begins_within_a_step_gains_no_way() -> None:
+    """The filters start in the middle of the movement, which must not look like a step."""
+    for begin_s in BEGINS_S[::5]:
+        to_s = float(begin_s) + 5.0
+        whole_m = way_m(simulated(), float(begin_s), to_s)
+        cut_m = way_m(trim_recording(simulated(), float(begin_s), to_s + 10.0), float(begin_s), to_s)
+        assert whole_m - 0.7 < cut_m < whole_m + 0.2
+
+
 def test_wherever_in_a_step_a_gap_ends() -> None:
     recording = trim_recording(simulated(), 8.0, 20.0)
     for from_s in BEGINS_S[::3]:
