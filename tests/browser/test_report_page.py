@@ -202,3 +202,9 @@ def test_tiles_come_from_the_chosen_server_and_nowhere_else(tmp_path: Path, open
     assert abs((11.6 + 180.0) / 360.0 * 2**zoom - column) < 4.0
     assert abs(row / 2**zoom - 0.34678) < 0.001  # 48.2 degrees north
     assert "Map: tiles.example.org" in page.locator(".map-credit").inner_text()
+
+
+def test_numbers_are_written_for_reading(report: str, open_page: OpenPage) -> None:
+    page = open_page(report)
+    written = page.evaluate("[numberText(-0.4, 0), numberText(-1.25, 1), numberText(NaN, 1), timeText(125.0)]")
+    assert written == ["0", "−1.3", "–", "2:05.0"]

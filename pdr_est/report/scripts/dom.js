@@ -16,9 +16,11 @@ function makeElement(tag, properties = {}, ...children) {
   return element;
 }
 
-/** Write a number with a fixed number of decimals; a dash for one that is missing. */
+/** Write a number with a fixed number of decimals, a zero without sign; a dash for one that is missing. */
 function numberText(value, digits) {
-  return Number.isFinite(value) ? value.toFixed(digits).replace('-', '−') : '–';
+  if (!Number.isFinite(value)) return '–';
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? text.replace('-', '') : text.replace('-', '−');
 }
 
 /** Write a time: 3:05.2, 2:07:00.0, and 8.4 s for one below a minute unless it stands in a row of longer ones. */
