@@ -126,7 +126,7 @@ def test_other_estimators_take_no_notice_of_a_plan_among_the_measurements(name: 
 )
 def test_a_plan_that_is_hardly_used_is_a_warning(name: str, words: str) -> None:
     walk = pipeline.smooth_recording(office().recording, START.with_estimator(name), plan=hall())
-    assert f"{name} takes {words} the floor plan: choose an estimator whose track stays on the floor" in walk.warnings
+    assert f"{name} takes {words} the floor plan: with `particle` the track stays on the floor" in walk.warnings
     assert walk.plan is not None
 
 

@@ -50,7 +50,7 @@ def mismatches(
         found += [f"plan {plan.name}: {note}" for note in plan.notes]
         if not spec.uses_plan:
             takes = "only the directions of the walls from" if spec.smooths else "nothing from"
-            found.append(f"{name} takes {takes} the floor plan: choose an estimator whose track stays on the floor")
+            found.append(f"{name} takes {takes} the floor plan: with `particle` the track stays on the floor")
     if config.heading.method in IN_POCKETS:
         found += [words for walk in walks for words in _outside_pockets(walk, config.heading.method)]
     return tuple(found)
