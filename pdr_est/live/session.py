@@ -1,7 +1,6 @@
 """One live walk: samples of any number of phones come in, poses go out, and everything received is recorded.
 
-Receivers call `take` from any thread. The system has the samples before it returns; the filter has a thread of its
-own, so that neither a slow filter nor a slow page holds the recording up.
+Receivers call `take` from any thread, which records the samples. The filter has a thread of its own and delays nothing.
 """
 
 import gc
