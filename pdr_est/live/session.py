@@ -1,6 +1,6 @@
 """One live walk: samples of any number of phones come in, poses go out, and everything received is recorded.
 
-Receivers call `take` from any thread, which records the samples. The filter has a thread of its own and delays nothing.
+Receivers call `take` from any thread; it records the samples. The filter has its own thread and delays nothing.
 """
 
 import gc
