@@ -37,6 +37,15 @@ def test_table_6_of_three_people():
     assert table.as_document(scores, 3, [0])["methods"]["auto"]["true_changes"] == 18
 
 
+def test_no_walker_of_table_7_as_recorded_loses_much_of_the_way():
+    """Slow ones hold the phone as quietly as passengers do, and must not be taken for them."""
+    document = json.loads((EXPERIMENTS / "results" / "mmpdr_table7.json").read_text(encoding="utf-8"))
+    distance_m = document["auto"]["distance_m"]
+    assert len(distance_m) == 30
+    assert 0.85 * 28.0 < min(distance_m)
+    assert max(distance_m) < 1.2 * 28.0
+
+
 @pytest.mark.slow
 def test_table_7_of_two_people():
     table = experiment("mmpdr_table7")

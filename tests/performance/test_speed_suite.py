@@ -43,7 +43,7 @@ def test_every_part_is_measured() -> None:
     assert all(seconds >= 0.0 for seconds in document["stage_seconds_per_minute"].values())
     assert [(row["devices"], row["steps"]) for row in document["smoothing"]] == [(1, 50), (2, 50)]
     assert [(row["devices"], row["steps"]) for row in document["growth"]] == [(1, 109.0), (2, 218.0)]
-    assert list(document["online"]) == ["ekf", "fixed-lag"]
+    assert list(document["online"]) == ["ekf", "fixed-lag", "particle"]
     for found in document["online"].values():
         assert found["samples"] > 5000
         assert 0.0 < found["p50_ms"] < found["p99_ms"] < found["max_ms"]

@@ -44,13 +44,10 @@ _SURE_RIDE = -4.0  # logarithm of the odds of walking below which somebody surel
 # 13.6 for the likeness times the logarithm of how much weaker than STRONG_MPS2 the movement is, and 13.3 to 13.9 with
 # any one set of real walkers left out. Half of that is taken, because the windows of neighbouring peaks overlap. The
 # likeness that tells as much as an unknown one is fitted, too (0.44, and 0.44 to 0.51 with one set left out). A
-# higher one counts for little more: what repeats itself exactly is rather a machine. Where peaks come slowly, windows
-# overlap less, and the weight is greater: 13 at 1.5 s. On 60 other rides than those of `experiments/passengers.py`,
-# on roads and tracks twice as rough, that takes away 40 % of the false steps. A weight any greater costs steps of
-# slow real walkers.
+# higher one counts for little more: what repeats itself exactly is rather a machine.
 STRONG_MPS2 = 2.0
 """Acceleration, m/s^2, above which nobody rides (ours): the likeness of strides does not count."""
-_DOUBT, _SLOW_DOUBT = 7.0, 6.0
+_DOUBT = 7.0
 USUAL_LIKENESS = 0.45
 """Likeness of strides that tells nothing."""
 _MOST_LIKENESS = 0.5
@@ -117,10 +114,10 @@ def walking_evidence(movement: Movement, rhythm: PeakRhythm, likeness: float | N
         evidence += _WEAKNESS * math.log(max(strength, _LEAST_MPS2) / _WEAK_MPS2)
     if vertical_share < _USUAL_SHARE:
         evidence += _SHARE * math.log(max(vertical_share, _LEAST_SHARE) / _USUAL_SHARE)
-    slowness = math.log(min(max(rhythm.interval_s, _USUAL_INTERVAL_S), _LONG_INTERVAL_S) / _USUAL_INTERVAL_S)
-    evidence += _SLOWNESS * slowness
+    if rhythm.interval_s > _USUAL_INTERVAL_S:
+        evidence += _SLOWNESS * math.log(min(rhythm.interval_s, _LONG_INTERVAL_S) / _USUAL_INTERVAL_S)
     if likeness is not None and strength < STRONG_MPS2:
-        doubt = (_DOUBT + _SLOW_DOUBT * slowness) * math.log(STRONG_MPS2 / max(strength, _WEAK_MPS2))
+        doubt = _DOUBT * math.log(STRONG_MPS2 / max(strength, _WEAK_MPS2))
         evidence += doubt * (min(likeness, _MOST_LIKENESS) - USUAL_LIKENESS)
     reach = rhythm.bounce_m * tilt_rad
     if reach > _USUAL_REACH_M_RAD:
