@@ -3,15 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from pdr_est.frames import Array
+from pdr_est.front_end.signal.barometric_height import height_by_pressure
 from pdr_est.types.recording import Signal
 
-SCALE_HEIGHT_M = 8435.0
-"""R T / g of the standard atmosphere at sea level (288.15 K), m."""
-
-_REFERENCE_PA = 101_325.0
 NOISE_FROM_DIFFERENCES = 1.4826 / 6.0**0.5
 """Standard deviation of white noise over the median absolute second difference."""
 
@@ -29,14 +25,6 @@ class Second(NamedTuple):
 
     height_m: float
     steps: int | None
-
-
-def height_by_pressure(pressure_pa: ArrayLike) -> Array:
-    """Compute heights, m, from an arbitrary level, by the barometric formula.
-
-    In air that is warmer by 10 K, 1 m of them is 1.03 m.
-    """
-    return np.asarray(SCALE_HEIGHT_M * np.log(_REFERENCE_PA / np.asarray(pressure_pa, dtype=np.float64)))
 
 
 def seconds_of(pressure: Signal, step_time_s: Array | None) -> tuple[int, list[Second]]:

@@ -7,7 +7,7 @@ from math import floor, inf
 import numpy as np
 
 from pdr_est.frames import Array
-from pdr_est.front_end.height.seconds import height_by_pressure
+from pdr_est.front_end.signal.barometric_height import height_by_pressure
 from pdr_est.types.sensors import SensorBlock
 
 _MOST_WAITING_S = 600  # seconds that wait for the steps in them

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pdr_est.front_end.signal.barometric_height import height_by_pressure
 from pdr_est.front_end.signal.step_samples import StepSamples, of_equal_count, rows_from
 from pdr_est.records import made
 from pdr_est.types.steps import CarryingMode, Step, begins_walk
 
 _LEAST_SAMPLES = 3
-_SCALE_HEIGHT_M = 8435.0  # R T / g of the standard atmosphere at sea level (288.15 K)
-_REFERENCE_PA = 101_325.0
 _LEAST_DURATION_S = 0.1
 _HELD = (CarryingMode.HOLDING, CarryingMode.UNKNOWN)  # the vertical velocity is that of the body
 _ELSEWHERE_STEPS = 8  # in a row with the phone not held, after which it is not where it was; fewer may be an error
@@ -120,9 +119,9 @@ def step_duration_s(step: Step) -> float:
 
 
 def _height_m(step: Step) -> float:
-    """Compute the height by the barometric formula; air warmer by 10 K makes 1 m of it 1.03 m."""
+    """Compute the mean height by the air pressure; NaN where it is not known."""
     pressure_pa = step.samples.pressure_pa
     if pressure_pa is None:
         return float("nan")
     known = pressure_pa[np.isfinite(pressure_pa) & (pressure_pa > 0.0)]
-    return _SCALE_HEIGHT_M * float(np.log(_REFERENCE_PA / known).mean()) if len(known) else float("nan")
+    return float(height_by_pressure(known).mean()) if len(known) else float("nan")
