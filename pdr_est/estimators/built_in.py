@@ -194,11 +194,12 @@ def _fixed_lag(walk: _Walk) -> Track:
 
 
 def _particle(walk: _Walk) -> Track:
-    from pdr_est.estimators.particle.smoother import estimate, plan_of
+    from pdr_est.estimators.particle.plan.plans_in_time import floors_among
+    from pdr_est.estimators.particle.smoother import estimate
 
     settings = walk.settings.particle
-    plan = plan_of(walk.devices)
-    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, plan, settings)
+    floors = floors_among(walk.devices)
+    return estimate(walk.timelines, walk.tethers, walk.start, walk.sigma_length_scale, floors, settings)
 
 
 def _particle_filter(

@@ -44,7 +44,8 @@ class EstimatorSpec:
     uses_tethers
         It makes use of tethers between devices.
     uses_plan
-        It makes use of a `FloorPlan`, which then stands among the measurements of each device.
+        It makes use of a `FloorPlan`, which then stands among the measurements of each device, or of a `PresentFloor`
+        for each change of floor.
     weighs_alternatives
         It weighs by itself what the measurements leave open, such as a start heading that nobody gave. Any other
         smoother of the package works on one alternative at a time (`estimators/alternatives`).

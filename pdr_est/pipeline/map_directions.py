@@ -13,7 +13,7 @@ from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.whole_walk.wall_directions import wall_directions
 from pdr_est.pipeline.estimation import run_estimator
 from pdr_est.types.analysis import DeviceWalk, DominantDirections
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import FloorPlan, PresentFloor
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, HeadingPrior, PositionFix, StartPose
 from pdr_est.types.track import Track
 
@@ -119,4 +119,6 @@ def _first_relative(known: DeviceMeasurements) -> HeadingPrior | None:
 
 
 def _without_plan(known: DeviceMeasurements) -> DeviceMeasurements:
-    return replace(known, measurements=tuple(m for m in known.measurements if not isinstance(m, FloorPlan)))
+    return replace(
+        known, measurements=tuple(m for m in known.measurements if not isinstance(m, FloorPlan | PresentFloor))
+    )

@@ -122,6 +122,25 @@ class FloorPlan:
             yield from area.holes_m
 
 
+@dataclass(frozen=True)
+class PresentFloor:
+    """The floor that the walker is on from a time until the next such measurement.
+
+    Attributes
+    ----------
+    time_s
+        Time from which on it counts, s; minus infinity for the start of the walk.
+    plan
+        Plan of the floor; None between two floors, and on a floor without a plan.
+    probability
+        Probability that the walker is on this floor; elsewhere the walls of the plan mean nothing.
+    """
+
+    time_s: float
+    plan: FloorPlan | None
+    probability: float = 1.0
+
+
 def _edges(ring_m: Array) -> Array:
     return np.stack([ring_m, np.roll(ring_m, -1, axis=0)], axis=1)
 

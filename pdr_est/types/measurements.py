@@ -11,6 +11,7 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan as FloorPlan
+from pdr_est.types.floor_plan import PresentFloor as PresentFloor
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.steps import TurnHypothesis as TurnHypothesis
 
@@ -179,7 +180,7 @@ class LoopClosure:
     sigma_m: float
 
 
-Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether | LoopClosure | FloorPlan
+Measurement = StepOdometry | HeadingPrior | PositionFix | DeviceTether | LoopClosure | FloorPlan | PresentFloor
 """Any one measurement."""
 
 

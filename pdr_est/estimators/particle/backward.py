@@ -50,15 +50,18 @@ class Block:
         Nodes of each device inside the block; the last pose of a device is that of the last one.
     present
         Devices that had begun before the block.
+    plan
+        Plan of the floor of the block; None without one.
     """
 
     cloud: Cloud
     nodes: tuple[tuple[Node, ...], ...]
     present: tuple[bool, ...]
+    plan: PlanModel | None = None
 
 
 def simulate_backward(
-    blocks: Sequence[Block], closed: Sequence[bool], paths: int, plan: PlanModel | None, rng: np.random.Generator
+    blocks: Sequence[Block], closed: Sequence[bool], paths: int, rng: np.random.Generator
 ) -> tuple[list[Array], Array]:
     """Draw paths from the posterior of a walk.
 
@@ -70,8 +73,6 @@ def simulate_backward(
         Whether the walk of each device ends where it began.
     paths
         Number of paths.
-    plan
-        The plan, or None.
     rng
         Source of random numbers.
 
@@ -91,7 +92,7 @@ def simulate_backward(
             block_motions(nodes) if nodes and here else []
             for nodes, here in zip(block.nodes, block.present, strict=True)
         ]
-        cloud = _thinned(before.cloud, rng)
+        cloud, plan = _thinned(before.cloud, rng), block.plan
         candidates = _candidates(cloud, path, final, motions, closed, 1 if plan is None else _CANDIDATES, rng)
         between = _ways(cloud.state[:, candidates], path, motions)
         best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, rng)

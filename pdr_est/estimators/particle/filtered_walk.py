@@ -15,6 +15,7 @@ from pdr_est.estimators.particle.initial_cloud import initial_cloud, spread_over
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.plan_grid import Window
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
+from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
 from pdr_est.estimators.particle.walk_filter import PlanFit, WalkFilter
 from pdr_est.types.measurements import LATE_START_S, StartPose
 
@@ -50,21 +51,24 @@ class WalkInput:
 
 @dataclass(frozen=True)
 class ParticleWalk:
-    """Blocks of a filtered walk, the start first, and how well it keeps to the plan."""
+    """Blocks of a filtered walk, the start first, and how well it keeps to the plans."""
 
     blocks: tuple[Block, ...]
     fit: PlanFit
 
 
-def filter_by_particles(walk: WalkInput, plan: PlanModel | None) -> ParticleWalk:
-    """Filter a walk from its start to its end."""
+def filter_by_particles(walk: WalkInput, plans: PlansInTime | None) -> ParticleWalk:
+    """Filter a walk from its start to its end, on the plan of the floor of each time."""
     rng = np.random.default_rng(walk.parameters.seed)
-    own = WalkFilter(_start(walk, plan, rng), walk.parameters, plan, rng)
     events, begun_s = _events(walk.timelines)
+    plan = None if plans is None else plans.at(begun_s)
+    own = WalkFilter(_start(walk, plan, rng), walk.parameters, plan, rng)
     tethers = list(walk.tethers)
     maker = _BlockMaker(len(walk.timelines))
     for number, (device, index) in enumerate(events):
         node = walk.timelines[device].nodes[index]
+        if plans is not None and plans.at(node.time_s) is not own.plan:
+            own.change_floor(plans.at(node.time_s), sorted(maker.begun))
         if index:
             own.move(device, node)
         else:
@@ -82,8 +86,9 @@ def filter_by_particles(walk: WalkInput, plan: PlanModel | None) -> ParticleWalk
         own.tether([PairTether(t.device_a, t.device_b, t.max_distance_m, t.sigma_m) for t in due])
         del tethers[: len(due)]
         after = None if following is None else walk.timelines[following[0]].nodes[following[1]]
-        if maker.ends(node, after, following, bool(due)):
-            maker.close(own.cloud)
+        changes = plans is not None and after is not None and plans.at(after.time_s) is not own.plan
+        if maker.ends(node, after, following, bool(due) or changes):
+            maker.close(own.cloud, own.plan)
     return ParticleWalk(tuple(maker.blocks), own.fit)
 
 
@@ -154,16 +159,19 @@ class _BlockMaker:
         self._nodes[device].append(node)
         self.begun.add(device)
 
-    def ends(self, node: Node, after: Node | None, following: tuple[int, int] | None, tethered: bool) -> bool:
-        """Tell whether a block ends at a node, of which `after`, that of `following`, is the next one."""
+    def ends(self, node: Node, after: Node | None, following: tuple[int, int] | None, changes: bool) -> bool:
+        """Tell whether a block ends at a node, of which `after`, that of `following`, is the next one.
+
+        It does where something `changes`: a tether was applied there, or another floor begins.
+        """
         if after is None or following is None or following[1] == 0:
             return after is None or following is None or bool(self.blocks)
-        if not self.blocks or tethered or node.fixes or after.turn_hypotheses or len(self.begun) > sum(self._present):
+        if not self.blocks or changes or node.fixes or after.turn_hypotheses or len(self.begun) > sum(self._present):
             return True
         return sum(map(len, self._nodes)) >= _BLOCK_NODES * len(self.begun)
 
-    def close(self, cloud: Cloud) -> None:
-        """End a block with the particles there."""
-        self.blocks.append(Block(cloud, tuple(map(tuple, self._nodes)), self._present))
+    def close(self, cloud: Cloud, plan: PlanModel | None) -> None:
+        """End a block with the particles there, and the plan of its floor."""
+        self.blocks.append(Block(cloud, tuple(map(tuple, self._nodes)), self._present, plan))
         self._present = tuple(device in self.begun for device in range(len(self._nodes)))
         self._nodes = [[] for _ in self._nodes]

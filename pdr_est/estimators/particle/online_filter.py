@@ -16,19 +16,21 @@ from pdr_est.estimators.particle.initial_cloud import (
 )
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
+from pdr_est.estimators.particle.plan.plans_in_time import PlanModels
 from pdr_est.estimators.particle.walk_filter import WalkFilter
 from pdr_est.estimators.spec import OnlinePose
 from pdr_est.frames import wrap_angle
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import FloorPlan, PresentFloor
 from pdr_est.types.measurements import LATE_START_S, HeadingPrior, LoopClosure, PositionFix, StartPose, StepOdometry
 
 
 class ParticleOnlineFilter:
     """Online filter of the estimator `particle`; it fits `pdr_est.estimators.spec.OnlineFilter`.
 
-    A floor plan is pushed before everything else. What the start pose does not tell stays open until the first
-    measurement that tells it: a fix places the walk, a heading in the map turns it. On a plan the particles begin in
-    every direction, and where the position is not given either, anywhere.
+    A floor plan is pushed before everything else; of several floors, the present one is pushed whenever it changes,
+    and all of them at the beginning, so that their plans are ready, that of the start last. What the start pose does
+    not tell stays open until the first measurement that tells it: a fix places the walk, a heading in the map turns
+    it. On a plan the particles begin in every direction, and where the position is not given either, anywhere.
 
     Parameters
     ----------
@@ -49,6 +51,7 @@ class ParticleOnlineFilter:
         self._start, self._sigma_scale, self._parameters = start, sigma_length_scale, parameters
         self._rng = np.random.default_rng(parameters.seed)
         self._plan: PlanModel | None = None
+        self._models = PlanModels(parameters)
         self._filter: WalkFilter | None = None
         self._builders: dict[str, NodeBuilder] = {}
         self._fixes: list[PositionFix] = []
@@ -57,12 +60,13 @@ class ParticleOnlineFilter:
         self._begun_s = 0.0
 
     def push(
-        self, measurement: StepOdometry | HeadingPrior | PositionFix | LoopClosure | FloorPlan
+        self, measurement: StepOdometry | HeadingPrior | PositionFix | LoopClosure | FloorPlan | PresentFloor
     ) -> list[OnlinePose]:
         """Take one measurement, in order of time; return the poses that are new or have changed."""
         if isinstance(measurement, FloorPlan):
-            self._plan = PlanModel.of(measurement, self._parameters)
-            return []
+            return self._take_floor(PresentFloor(float("-inf"), measurement))
+        if isinstance(measurement, PresentFloor):
+            return self._take_floor(measurement)
         if isinstance(measurement, StepOdometry):
             return self._take_step(measurement)
         if isinstance(measurement, HeadingPrior):
@@ -107,6 +111,13 @@ class ParticleOnlineFilter:
             return initial_cloud(priors, [()] * len(priors), 2 * count, self._rng)
         cloud = initial_cloud(priors, [()] * len(priors), plan.particles_anywhere(self._parameters), self._rng)
         return spread_over_plan(cloud, plan.grid, self._rng)
+
+    def _take_floor(self, present: PresentFloor) -> list[OnlinePose]:
+        """Take the plan of the floor that the walker is on from now on."""
+        self._plan = self._models.of(present)
+        if self._filter is not None:
+            self._filter.change_floor(self._plan, [self._names.index(name) for name in self._builders])
+        return []
 
     def _take_step(self, step: StepOdometry) -> list[OnlinePose]:
         """Move a device by a step, with the fixes before it and inside it."""

@@ -1,9 +1,13 @@
 """Track of a device from paths drawn from the posterior: poses, covariances about them, and samples of the region."""
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
+from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.track import Track
 
@@ -13,7 +17,7 @@ _ROUNDS, _LEAST_M = 5, 1e-3  # of Weiszfeld's iteration, and the distance that c
 _WALKABLE = 0.5  # probability from which on a pose counts as on the plan
 
 
-def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, grid: PlanGrid | None) -> Track:
+def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, plans: PlansInTime | None) -> Track:
     """Make the smoothed track of a device.
 
     Without a plan a pose is the mean of the paths. On a plan, the mean of ways round a wall may be inside of it: a
@@ -28,11 +32,18 @@ def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, grid: Pla
         (n, 3, paths) east, north and heading of each path at each node.
     log_scale
         (paths,) logarithms of the length scale.
-    grid
-        Raster of the plan, or None.
+    plans
+        Plans of the floors of the walk, or None.
     """
     place = poses[:, :2]
-    position = place.mean(axis=2) if grid is None else _on_plan(geometric_median(place), place, grid)
+    position = place.mean(axis=2)
+    if plans is not None:
+        grids = [plans.grid_at(node.time_s) for node in timeline.nodes]
+        for begin, end in _stretches(grids):
+            grid = grids[begin]
+            if grid is not None:
+                own = place[begin:end]
+                position[begin:end] = _on_plan(geometric_median(own), own, grid)
     vector = np.exp(1j * poses[:, 2]).mean(axis=1)
     heading = np.angle(vector)
     off = np.concatenate([place - position[:, :, None], wrap_angle(poses[:, 2] - heading[:, None])[:, None]], axis=1)
@@ -50,6 +61,12 @@ def geometric_median(points: Array) -> Array:
         weight = 1.0 / np.maximum(distance, _LEAST_M)
         centre = np.asarray((points * weight[:, None]).sum(axis=2) / weight.sum(axis=1)[:, None])
     return np.asarray(centre)
+
+
+def _stretches(grids: Sequence[PlanGrid | None]) -> list[tuple[int, int]]:
+    """Return begin and end of each run of nodes on the same plan."""
+    changes = [k for k in range(1, len(grids)) if grids[k] is not grids[k - 1]]
+    return list(pairwise([0, *changes, len(grids)]))
 
 
 def _on_plan(position: Array, place: Array, grid: PlanGrid) -> Array:

@@ -1,6 +1,6 @@
 """Particle filter of a walk: nodes, measurements and tethers come in order of time and change the particles."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,17 +39,17 @@ class PlanFit:
     ----------
     log_evidence
         Logarithm of the probability of all ways on the plan.
-    length_m
-        Length of these ways, m.
+    walls
+        Number of walls that ways of their length meet where they have nothing to do with the plan.
     """
 
     log_evidence: float = 0.0
-    length_m: float = 0.0
+    walls: float = 0.0
 
-    def add(self, weights: Array, log_way: Array, length_m: float) -> None:
-        """Add a step: weights (n,) of the particles, log probabilities (n,) of their ways, and its length, m."""
+    def add(self, weights: Array, log_way: Array, walls: float) -> None:
+        """Add a step: weights (n,) of the particles, log probabilities (n,) of their ways, and its share of walls."""
         self.log_evidence += float(np.log(weights @ np.exp(log_way)))
-        self.length_m += length_m
+        self.walls += walls
 
 
 class WalkFilter:
@@ -62,7 +62,7 @@ class WalkFilter:
     parameters
         Settings.
     plan
-        The plan, or None without one.
+        The plan of the floor at the start, or None without one.
     rng
         Source of random numbers.
     """
@@ -87,7 +87,7 @@ class WalkFilter:
             self.cloud = replace(self.cloud, state=state)
             return
         way = self.plan.move(rows, node, self._rng) / self.cloud.devices
-        self.fit.add(self.cloud.weights, way, node.length_m / self.cloud.devices)
+        self.fit.add(self.cloud.weights, way, node.length_m / self.plan.free_path_m / self.cloud.devices)
         if self.plan.directions is not None:
             way = way + self.plan.directions.log_weight(rows, node.length_m) / self.cloud.devices
         self.cloud = replace(self.cloud, state=state, log_weight=self.cloud.log_weight + way)
@@ -101,6 +101,24 @@ class WalkFilter:
         self.fit.add(self.cloud.weights, log, 0.0)
         self.fit.log_evidence -= float(np.log(self.plan.walkable_share)) / self.cloud.devices
         self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + log)
+
+    def change_floor(self, plan: PlanModel | None, devices: Iterable[int]) -> None:
+        """Take the plan of the floor that the walker is on from now on; None between floors.
+
+        Parameters
+        ----------
+        plan
+            The plan. On another one than before, particles are weighed by whether they are on its walkable ground.
+        devices
+            Numbers of the devices that have begun.
+        """
+        before, self.plan = self.plan, plan
+        if plan is None or (before is not None and before.grid is plan.grid):
+            return
+        for device in devices:
+            log = plan.log_place(self.cloud.device(device)) / self.cloud.devices
+            self.fit.add(self.cloud.weights, log - np.log(plan.walkable_share) / self.cloud.devices, 0.0)
+            self._weigh(lambda cloud, own=device: plan.log_place(cloud.device(own)) / cloud.devices)  # type: ignore[misc]
 
     def measure(self, device: int, node: Node) -> None:
         """Weigh the particles by the fixes and headings of a node."""
