@@ -26,6 +26,8 @@ Types
 - DeviceTether: upper bound on the distance between two devices on one body.
 - LoopClosure: the walk ends where it began.
 - FloorPlan: walkable areas and walls of a floor, as `read_floor_plan` returns it.
+- BuildingPlan: the plans of several floors, as `read_building_plan` returns them. PresentFloor: the floor that the
+  walker is on from a time.
 - StartPose: position and heading at the start, as far as they are known.
 - DeviceMeasurements: all measurements of one device.
 - Track: result of an estimator. *Filtered* poses use the past only, *smoothed* poses use the whole walk, *delayed*
@@ -80,6 +82,7 @@ if TYPE_CHECKING:
     from pdr_est.errors import ConfigError, EstimationError, FloorPlanError, OutputError, PdrError, RecordingError
     from pdr_est.estimators.factor_graph.build import WalkGraph, build_graph
     from pdr_est.estimators.spec import Estimator, EstimatorSpec
+    from pdr_est.io.floor_plans.building import read_building_plan
     from pdr_est.io.floor_plans.reading import read_floor_plan
     from pdr_est.io.formats.registry import read
     from pdr_est.online import Tracker
@@ -88,7 +91,7 @@ if TYPE_CHECKING:
     from pdr_est.public_api import analyse, detect_steps, estimate, smooth
     from pdr_est.types.analysis import DeviceWalk
     from pdr_est.types.findings import Finding, FindingKind
-    from pdr_est.types.floor_plan import FloorPlan, WalkableArea
+    from pdr_est.types.floor_plan import BuildingPlan, FloorPlan, PresentFloor, WalkableArea
     from pdr_est.types.measurements import (
         DeviceMeasurements,
         DeviceTether,
@@ -106,6 +109,7 @@ if TYPE_CHECKING:
 __version__: str
 
 __all__ = [
+    "BuildingPlan",
     "CarryingMode",
     "Channel",
     "Config",
@@ -127,6 +131,7 @@ __all__ = [
     "Parts",
     "PdrError",
     "PositionFix",
+    "PresentFloor",
     "Profile",
     "Recording",
     "RecordingError",
@@ -150,6 +155,7 @@ __all__ = [
     "load_profile",
     "merge_recordings",
     "read",
+    "read_building_plan",
     "read_floor_plan",
     "save_profile",
     "smooth",
@@ -170,6 +176,7 @@ _MODULES = {
         "PdrError",
         "RecordingError",
     ),
+    "pdr_est.io.floor_plans.building": ("read_building_plan",),
     "pdr_est.io.floor_plans.reading": ("read_floor_plan",),
     "pdr_est.io.formats.registry": ("read",),
     "pdr_est.online": ("Tracker",),
@@ -178,7 +185,7 @@ _MODULES = {
     "pdr_est.public_api": ("analyse", "detect_steps", "estimate", "smooth"),
     "pdr_est.types.analysis": ("DeviceWalk",),
     "pdr_est.types.findings": ("Finding", "FindingKind"),
-    "pdr_est.types.floor_plan": ("FloorPlan", "WalkableArea"),
+    "pdr_est.types.floor_plan": ("BuildingPlan", "FloorPlan", "PresentFloor", "WalkableArea"),
     "pdr_est.types.measurements": (
         "DeviceMeasurements",
         "DeviceTether",

@@ -19,7 +19,7 @@ from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, NO_PARTS, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
@@ -44,7 +44,7 @@ def smooth(
     config: Config | None = None,
     fixes: Sequence[PositionFix] = (),
     parts: Parts = NO_PARTS,
-    plan: FloorPlan | None = None,
+    plan: FloorPlan | BuildingPlan | None = None,
 ) -> Track:
     """Estimate the track of a recorded walk with the configured estimator (default: factor graph).
 
@@ -59,7 +59,8 @@ def smooth(
     parts
         Stages and an estimator of your own, in place of those that the settings name.
     plan
-        Floor plan in the map frame, as `read_floor_plan` returns it.
+        Floor plan in the map frame, as `read_floor_plan` returns it, or those of several floors by
+        `read_building_plan`.
 
     Returns
     -------

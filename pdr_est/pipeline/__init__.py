@@ -14,10 +14,11 @@ from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.map_directions import along_map_directions, needs_whole_walk, with_plan_directions
 from pdr_est.pipeline.measurements import measurements_of, refuse_without_heading, tethers_of, without_partial_north
 from pdr_est.pipeline.other_devices import with_turns_of_others
+from pdr_est.pipeline.present_floors import plans_of_walk
 from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
 from pdr_est.preprocessing.gravity_stand_in import ready_for_steps
 from pdr_est.types.analysis import DeviceWalk, SmoothedWalk
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
@@ -30,7 +31,7 @@ def smooth_recording(
     config: Config,
     fixes: Sequence[PositionFix] = (),
     parts: Parts = NO_PARTS,
-    plan: FloorPlan | None = None,
+    plan: FloorPlan | BuildingPlan | None = None,
 ) -> SmoothedWalk:
     """Estimate the track of a recorded walk, and keep what a report needs.
 
@@ -47,6 +48,7 @@ def smooth_recording(
     started = time.process_time()
     devices = analyse_recording(recording, config, parts, needs_whole_walk(config, estimator.spec))
     analysed = time.process_time()
+    plans = plans_of_walk(plan, devices)
     track = estimate_tracks(devices, config, fixes, parts, plan)
     estimated = time.process_time()
     return SmoothedWalk(
@@ -57,10 +59,12 @@ def smooth_recording(
         warnings=(
             *warnings_of(recording, devices),
             *mismatches(devices, config, estimator.spec, fixes, plan),
+            *plans.notes,
             *doubts(track.findings),
         ),
         fixes_used=estimator.spec.uses_fixes,
-        plan=plan,
+        plan=plans.main_plan([step.time_s for step in devices[0].steps]),
+        floors=plans.floors if isinstance(plan, BuildingPlan) else (),
     )
 
 
@@ -90,18 +94,21 @@ def estimate_tracks(
     config: Config,
     fixes: Sequence[PositionFix] = (),
     parts: Parts = NO_PARTS,
-    plan: FloorPlan | None = None,
+    plan: FloorPlan | BuildingPlan | None = None,
 ) -> Track:
     """Estimate the track of every device from its measurements, and of several devices the track of the person.
 
     Raises
     ------
+    FloorPlanError
+        For plans of several floors where the floor at the start is not known.
     EstimationError
         For a device without gyroscope, and for measurements that give no track.
     """
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts)
-    given = [measurements_of(walk, config, fixes, estimator.spec, plan) for walk in walks]
+    plans = plans_of_walk(plan, walks).measurements
+    given = [measurements_of(walk, config, fixes, estimator.spec, plans) for walk in walks]
     devices = with_turns_of_others(without_partial_north(given))
     tethers = tethers_of(walks, config, estimator.spec)
     tied = along_map_directions(devices, walks, tethers, estimator, config)

@@ -11,7 +11,7 @@ from pdr_est.errors import ConfigError, FloorPlanError, RecordingError
 from pdr_est.io.side_tables.position_fixes import require_fix_inside
 from pdr_est.params.validation_messages import brief
 from pdr_est.preprocessing.quality.requirements import require_track_sensors
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
@@ -60,8 +60,7 @@ def refuse_unusable_inputs(recording: Recording, config: Config, fixes: Any, pla
     for device in recording.devices:
         require_track_sensors(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
     _refuse_unusable_fixes(fixes, recording)
-    if plan is not None:
-        _refuse_unusable_plan(plan, config)
+    refuse_unusable_plan(plan, config)
 
 
 def _refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
@@ -79,12 +78,23 @@ def _refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
             require_fix_inside(fix.time_s, f"fixes[{number}]", recording)
 
 
-def _refuse_unusable_plan(plan: Any, config: Config) -> None:
+def refuse_unusable_plan(plan: Any, config: Config) -> None:
     """Raise FloorPlanError for something that is no plan, and for a start that lies off its walkable area."""
-    if not isinstance(plan, FloorPlan):
+    if plan is None:
+        return
+    if not isinstance(plan, FloorPlan | BuildingPlan):
         raise FloorPlanError(f"plan = {brief(plan)}: is no FloorPlan: read it first: pdr_est.read_floor_plan(path)")
-    if not plan.areas:
-        raise FloorPlanError(f"plan {plan.name}: has no walkable area: give it one, or leave the plan out")
+    drawn = plan.plans if isinstance(plan, BuildingPlan) else (plan,)
+    for one in drawn:
+        if not one.areas:
+            raise FloorPlanError(f"plan {one.name}: has no walkable area: give it one, or leave the plan out")
+    begins_on = plan.start_plan if isinstance(plan, BuildingPlan) else plan
+    if begins_on is not None:
+        _refuse_start_outside(begins_on, config)
+
+
+def _refuse_start_outside(plan: FloorPlan, config: Config) -> None:
+    """Raise FloorPlanError for a start that lies off the walkable area of the floor."""
     start = config.start.pose()
     if start.position_m is None:
         return

@@ -13,7 +13,7 @@ from pdr_est.frames import wrap_angle
 from pdr_est.front_end.heading.whole_walk.wall_directions import wall_directions
 from pdr_est.pipeline.estimation import run_estimator
 from pdr_est.types.analysis import DeviceWalk, DominantDirections
-from pdr_est.types.floor_plan import FloorPlan, PresentFloor
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan, PresentFloor
 from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, HeadingPrior, PositionFix, StartPose
 from pdr_est.types.track import Track
 
@@ -21,13 +21,13 @@ _OTHER_DIRECTIONS = 0.1  # prior probability that a walk along directions follow
 _DECIDED = 0.8  # least probability of the nearest direction of the walls; ours
 
 
-def with_plan_directions(config: Config, plan: FloorPlan | None, spec: EstimatorSpec) -> Config:
+def with_plan_directions(config: Config, plan: FloorPlan | BuildingPlan | None, spec: EstimatorSpec) -> Config:
     """Take the directions of the building for a smoother from the walls of the plan, where the settings give none."""
     heading, dominant = config.heading, config.heading.dominant
     gives_priors = heading.method == "auto" and heading.use == "priors" and dominant.enabled
     if plan is None or not spec.smooths or not gives_priors or dominant.given_number is not None:
         return config
-    found = wall_directions(plan)
+    found = wall_directions(plan.all_floors if isinstance(plan, BuildingPlan) else plan)
     if found is None:
         return config
     direction_rad = float(wrap_angle(found.direction_rad))

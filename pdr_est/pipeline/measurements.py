@@ -9,7 +9,7 @@ from pdr_est.estimators import EstimatorSpec
 from pdr_est.estimators.common.fix_noise import fixes_with_noise
 from pdr_est.estimators.common.tethers import tethers_between
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import FloorPlan, PresentFloor
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
@@ -31,18 +31,22 @@ def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
 
 
 def measurements_of(
-    walk: DeviceWalk, config: Config, fixes: Sequence[PositionFix], spec: EstimatorSpec, plan: FloorPlan | None = None
+    walk: DeviceWalk,
+    config: Config,
+    fixes: Sequence[PositionFix],
+    spec: EstimatorSpec,
+    plans: Sequence[FloorPlan | PresentFloor] = (),
 ) -> DeviceMeasurements:
     """Collect the measurements of a device.
 
     A smoother gets the headings that are known only at the end of the walk, a filter those that were known at the
-    step. The fixes get the noise of their source. A floor plan is for estimators that make use of it.
+    step. The fixes get the noise of their source. Floor plans are for estimators that make use of them.
     """
     odometry = walk.whole_walk_odometry if spec.smooths else walk.odometry
     closure = [LoopClosure(walk.device, config.start.sigma_closed_m)] if config.start.closed else []
-    plans = [plan] if plan is not None and spec.uses_plan else []
+    used = plans if spec.uses_plan else ()
     return DeviceMeasurements(
-        walk.device, walk.start_s, (*odometry, *closure, *fixes_with_noise(fixes, config.fixes), *plans)
+        walk.device, walk.start_s, (*odometry, *closure, *fixes_with_noise(fixes, config.fixes), *used)
     )
 
 

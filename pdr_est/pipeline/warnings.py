@@ -9,7 +9,7 @@ from pdr_est.front_end.heading import IN_POCKETS
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.findings import Finding
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import Gap
@@ -37,7 +37,7 @@ def mismatches(
     config: Config,
     spec: EstimatorSpec,
     fixes: Sequence[PositionFix] = (),
-    plan: FloorPlan | None = None,
+    plan: FloorPlan | BuildingPlan | None = None,
 ) -> tuple[str, ...]:
     """Warn of choices that do not fit the walk or what is known of it. spec: of the estimator."""
     found = []
@@ -47,7 +47,8 @@ def mismatches(
         use = "makes no use of the position fixes" if known else "only aligns the track with the position fixes"
         found.append(f"{name} {use}: choose the estimator factor-graph or ekf for a track that follows them")
     if plan is not None:
-        found += [f"plan {plan.name}: {note}" for note in plan.notes]
+        floors = plan.plans if isinstance(plan, BuildingPlan) else ()
+        found += [f"plan {one.name}: {note}" for one in (plan, *floors) for note in one.notes]
         if not spec.uses_plan:
             takes = "only the directions of the walls from" if spec.smooths else "nothing from"
             found.append(f"{name} takes {takes} the floor plan: with `particle` the track stays on the floor")

@@ -7,7 +7,7 @@ from typing import overload
 from pdr_est.frames import Array
 from pdr_est.types.clock import ClockEstimate
 from pdr_est.types.findings import Finding
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import FloorPlan, PresentFloor
 from pdr_est.types.height import HeightProfile
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import Gap, LevelBlock
@@ -193,7 +193,9 @@ class SmoothedWalk:
     fixes_used
         False for an estimator that only aligns the track with the fixes.
     plan
-        Floor plan of the walk; None where none was given.
+        Floor plan of the walk, of several floors the plan that most steps were made on; None where none was given.
+    floors
+        Floors of a walk for which the plans of several were given, in order of time.
     """
 
     track: Track
@@ -203,3 +205,4 @@ class SmoothedWalk:
     warnings: tuple[str, ...] = ()
     fixes_used: bool = True
     plan: FloorPlan | None = None
+    floors: tuple[PresentFloor, ...] = ()

@@ -141,6 +141,57 @@ class PresentFloor:
     probability: float = 1.0
 
 
+@dataclass(frozen=True)
+class BuildingPlan:
+    """Plans of several floors of a building, all in one map frame.
+
+    Attributes
+    ----------
+    name
+        Name in messages and files.
+    plans
+        Plan of each floor, the lowest one first.
+    numbers
+        Number of each floor, rising; those of neighbouring storeys differ by one.
+    start
+        Number of the floor on which the walk begins; None where it is not known.
+    notes
+        Remarks of the reader.
+    """
+
+    name: str
+    plans: tuple[FloorPlan, ...]
+    numbers: tuple[int, ...]
+    start: int | None = None
+    notes: tuple[str, ...] = ()
+
+    def plan_of(self, number: int) -> FloorPlan | None:
+        """Return the plan of the floor with a number; None for a floor without a plan."""
+        return dict(zip(self.numbers, self.plans, strict=True)).get(number)
+
+    @property
+    def start_plan(self) -> FloorPlan | None:
+        """Plan of the floor on which the walk begins; None where it is not known."""
+        return None if self.start is None else self.plan_of(self.start)
+
+    @property
+    def floor_names(self) -> str:
+        """Names of the floors in words, the lowest one first."""
+        return ", ".join(plan.floor for plan in self.plans)
+
+    @cached_property
+    def all_floors(self) -> FloorPlan:
+        """Areas and walls of all floors as one plan, for what they have in common, such as their directions."""
+        first = self.plans[0]
+        return FloorPlan(
+            self.name,
+            tuple(area for plan in self.plans for area in plan.areas),
+            np.concatenate([np.reshape(plan.walls_m, (-1, 2, 2)) for plan in self.plans]),
+            max(plan.sigma_m for plan in self.plans),
+            origin=first.origin,
+        )
+
+
 def _edges(ring_m: Array) -> Array:
     return np.stack([ring_m, np.roll(ring_m, -1, axis=0)], axis=1)
 

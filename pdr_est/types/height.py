@@ -52,6 +52,8 @@ class WalkerHeight:
         Number of the nearest floor, counted from that at the start, which is 0.
     floor_probability
         Probability of that number.
+    moving
+        True on stairs, an escalator or a lift.
     """
 
     time_s: float
@@ -59,6 +61,7 @@ class WalkerHeight:
     sigma_m: float
     floor: int
     floor_probability: float
+    moving: bool = False
 
     def equals(self, other: "WalkerHeight | None") -> bool:
         """Tell whether height and floor are the same at another time."""
@@ -91,6 +94,14 @@ class HeightProfile:
     floor: NDArray[np.int64]
     floor_probability: Array
     moves: tuple[VerticalMove, ...] = ()
+
+    @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Whether the walker changes height in each second (n,)."""
+        found = np.zeros(len(self.time_s), dtype=np.bool_)
+        for move in self.moves:
+            found |= (self.time_s >= move.begin_s) & (self.time_s < move.end_s)
+        return found
 
     def nearest(self, time_s: ArrayLike) -> NDArray[np.intp]:
         """Return the places (k,) of the seconds that are nearest to some times (k,), s."""

@@ -5,6 +5,7 @@ from collections import deque
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pdr_est.frames import Array
 from pdr_est.front_end.height import vertical_moves as modes
@@ -97,7 +98,8 @@ class HeightFollower:
         mode, height_m, variance_m2 = self._latest_path()
         floor, probability = self._floors(mode, height_m, variance_m2)
         self._make_room()
-        self._tell(number, height_m, sigma_of(height_m, variance_m2, self._parameters), floor, probability)
+        sigma_m = sigma_of(height_m, variance_m2, self._parameters)
+        self._tell(number, (height_m, sigma_m, floor, probability, modes.is_moving(mode)))
 
     def _latest_path(self) -> tuple[Numbers, Array, Array]:
         """Return modes, heights and their variances of the seconds about which the mind may have changed."""
@@ -119,12 +121,12 @@ class HeightFollower:
             self._watch.forget()
         return floor, of_floor
 
-    def _tell(self, last: int, height_m: Array, sigma_m: Array, floor: Numbers, probability: Array) -> None:
-        """Put down what is known about seconds, up to the last one."""
-        count = min(len(height_m), REVISED_S + 1)
+    def _tell(self, last: int, known: tuple[Array, Array, Numbers, Array, NDArray[np.bool_]]) -> None:
+        """Put down what is known about seconds, up to the last one: the columns of `WalkerHeight` after its time."""
+        count = min(len(known[0]), REVISED_S + 1)
         for _ in range(min(count - 1, len(self._told))):
             self._told.pop()
-        rows = zip(*(column[-count:].tolist() for column in (height_m, sigma_m, floor, probability)), strict=True)
+        rows = zip(*(column[-count:].tolist() for column in known), strict=True)
         for place, row in enumerate(rows, start=last + 1 - count):
             self._told.append(WalkerHeight(place + 0.5, *row))
 
