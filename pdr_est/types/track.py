@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
 from pdr_est.types.height import HeightProfile
+from pdr_est.types.region import PoseRegion, joined_regions
 from pdr_est.types.track_output import table as track_table
 
 if TYPE_CHECKING:
@@ -69,6 +70,9 @@ class Track:
         What does not fit in the walk as a whole, and what the estimator chose: the same for every device.
     height
         Height and floor of the walker over time; None where no device recorded the air pressure.
+    region
+        Mixture of normal distributions for each position, from estimators whose posterior need not be normal; None
+        from all others, and where the mixture is not known.
     """
 
     time_s: Array
@@ -86,6 +90,7 @@ class Track:
     sigma_length_scale: float = 0.0
     findings: tuple[Finding, ...] = ()
     height: HeightProfile | None = None
+    region: PoseRegion | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -118,7 +123,17 @@ class Track:
 
     def rows_where(self, keep: NDArray[np.bool_]) -> "Track":
         """Select the poses for which `keep` (n,) is true."""
-        return replace(self, **{name: getattr(self, name)[keep] for name in _POSE_FIELDS})
+        return self._rows(keep)
+
+    def _rows(self, chosen: NDArray[np.bool_] | NDArray[np.int64] | NDArray[np.intp]) -> "Track":
+        """Select poses by a mask or by their indices, each of them as often as it stands there."""
+        columns: dict[str, Any] = {name: getattr(self, name)[chosen] for name in _POSE_FIELDS}
+        return replace(self, **columns, region=None if self.region is None else self.region.rows(chosen))
+
+    def moved(self, shift_m: Array) -> "Track":
+        """Move each pose and its region by (n, 2), or all of them by (2,), m."""
+        region = None if self.region is None else self.region.shifted(shift_m)
+        return replace(self, position_m=self.position_m + shift_m, region=region)
 
     def at(self, time_s: ArrayLike) -> tuple[Array, Array]:
         """Interpolate the track of one device linearly between its poses.
@@ -261,16 +276,24 @@ def with_standing_poses(track: Track) -> Track:
     stands = np.flatnonzero(track.moving_from_s[1:] > track.time_s[:-1] + _SHORTEST_PAUSE_S)
     order = np.insert(np.arange(len(track)), stands + 1, stands)
     added = stands + 1 + np.arange(len(stands))
-    columns: dict[str, Any] = {name: getattr(track, name)[order] for name in _POSE_FIELDS}
-    columns["time_s"][added] = columns["moving_from_s"][added] = track.moving_from_s[stands + 1]
-    columns["step_length_m"][added] = 0.0
-    return replace(track, **columns)
+    rows = track._rows(order)
+    rows.time_s[added] = rows.moving_from_s[added] = track.moving_from_s[stands + 1]
+    rows.step_length_m[added] = 0.0
+    return rows
 
 
 def concatenate(tracks: Sequence[Track]) -> Track:
-    """Join the tracks of several devices and their findings; the other properties are those of the first track."""
+    """Join the tracks of several devices, their regions and findings; other properties are those of the first track.
+
+    If any of the tracks has a region, those without it get the region of their positions and covariances.
+    """
     columns: dict[str, Any] = {
         name: np.concatenate([getattr(track, name) for track in tracks]) for name in _POSE_FIELDS
     }
     findings = tuple(dict.fromkeys(finding for track in tracks for finding in track.findings))
-    return replace(tracks[0], **columns, findings=findings)
+    regions = [
+        track.region or PoseRegion.of_gaussians(track.position_m, track.covariance_m2)
+        for track in tracks
+        if any(one.region is not None for one in tracks)
+    ]
+    return replace(tracks[0], **columns, findings=findings, region=joined_regions(regions) if regions else None)

@@ -52,6 +52,7 @@ def with_unknown_direction(track: Track, devices: Sequence[DeviceMeasurements], 
         track,
         covariance_m2=covariance_any_direction(track.position_m, track.covariance_m2, np.array(start.position_m)),
         sigma_heading_rad=np.full(len(track), SIGMA_UNIFORM_RAD),
+        region=None,
     )
 
 

@@ -10,7 +10,7 @@ from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.particle.backward import simulate_backward
 from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles, window_of
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.path_summary import track_of_paths
+from pdr_est.estimators.particle.paths.path_summary import track_of_paths
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.floor_plan import PresentFloor

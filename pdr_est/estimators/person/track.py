@@ -9,7 +9,6 @@ weights depend on the whole given track.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from pdr_est.estimators.common.timeline import SAME_S
 from pdr_est.estimators.person.heading import LEAST_VARIANCE, heading_of_person, intersected_headings
 from pdr_est.estimators.person.steps import SAME_STEP_S, present_at, steps_of_person
 from pdr_est.frames import Array, rotate_vectors, wrap_angle
+from pdr_est.types.region import PoseRegion, joined_regions
 from pdr_est.types.track import Track
 
 NAME = "fused"
@@ -61,6 +61,7 @@ def fuse(track: Track) -> Track:
         estimator=track.estimator,
         length_scale=track.length_scale,
         sigma_length_scale=track.sigma_length_scale,
+        region=_region(tracks, time_s, present, position, covariance),
     )
 
 
@@ -109,7 +110,7 @@ def at_lever_arm(track: Track, offset_m: tuple[float, float]) -> Track:
     """
     if offset_m == (0.0, 0.0):
         return track
-    return replace(track, position_m=track.position_m + rotate_vectors(np.array(offset_m), track.heading_rad))
+    return track.moved(rotate_vectors(np.array(offset_m), track.heading_rad))
 
 
 def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -119,6 +120,26 @@ def _intersect(mean: Array, covariance: Array, present: NDArray[np.bool_]) -> tu
     joined = np.linalg.inv(information.sum(axis=0))
     weighted = np.einsum("dnij,dnj->ni", information, mean)
     return np.einsum("nij,nj->ni", joined, weighted), joined
+
+
+def _region(
+    tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_], position_m: Array, covariance_m2: Array
+) -> PoseRegion | None:
+    """Return the region of the person: that of the present device (d, n) which is known best there.
+
+    Regions of several devices cannot be intersected, because nothing tells how far their errors depend on each other.
+    Where one normal distribution is enough, it has the position (n, 2) and covariance (n, 2, 2) of the person.
+    """
+    found, areas = [], []
+    for one in tracks:
+        if one.region is None:
+            return None
+        row = np.clip(np.searchsorted(one.time_s, time_s - SAME_S), 0, len(one) - 1)
+        found.append(one.region.rows(row).shifted(one.at(time_s)[0] - one.position_m[row]))
+        areas.append(np.linalg.det(one.covariance_m2[row]))
+    whose = np.argmin(np.where(present, areas, np.inf), axis=0)
+    best = joined_regions(found).rows(whose * len(time_s) + np.arange(len(time_s)))
+    return best.with_gaussians(position_m, covariance_m2)
 
 
 def _modes(tracks: Sequence[Track], time_s: Array, present: NDArray[np.bool_]) -> NDArray[np.int8]:

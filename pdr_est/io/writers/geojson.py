@@ -13,6 +13,7 @@ from pdr_est.io.writers.geodesy import DEGREE_DIGITS, dates_or_none, ellipses95,
 from pdr_est.output.atomic_output import text_output
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import GeoOrigin
+from pdr_est.types.region import ellipses_of_poses
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
@@ -51,7 +52,8 @@ def write_geojson(
         Unix time of time zero, s; None where it is unknown.
     with_steps
         True to add, for each pose, a Point with its time, heading, covariance and carrying mode, and a Polygon of
-        its 95 % ellipse where that can be drawn.
+        its 95 % ellipse where that can be drawn. A pose whose region has several components gets one for each,
+        with its `weight`; together they hold 95 %.
 
     Raises
     ------
@@ -183,14 +185,16 @@ def _pose_features(track: Track, origin: GeoOrigin | None, epoch_s: float | None
 
 
 def _ellipse_features(track: Track, origin: GeoOrigin | None, epoch_s: float | None) -> Iterator[Json]:
-    dates, rings = dates_or_none(track.time_s, epoch_s), ellipses95(track.position_m, track.covariance_m2)
-    drawn = [(i, ring) for i, ring in enumerate(rings) if ring is not None]
+    ellipses = ellipses_of_poses(track.position_m, track.covariance_m2, track.region)
+    dates, rings = dates_or_none(track.time_s, epoch_s), ellipses95(ellipses.centre_m, ellipses.covariance_m2)
+    drawn = [(k, ring) for k, ring in enumerate(rings) if ring is not None]
     if not drawn:
         return
     # All at once, as one by one is slow, and to about 1 cm: ellipses make most of the file.
     corners = _coordinates(np.concatenate([ring for _, ring in drawn]), origin, coarser=1)
     size = len(drawn[0][1])
-    for number, (i, _) in enumerate(drawn):
+    for number, (k, _) in enumerate(drawn):
+        i = ellipses.pose[k]
         properties: Json = {
             "feature": "ellipse",
             "device": str(track.device[i]),
@@ -198,6 +202,8 @@ def _ellipse_features(track: Track, origin: GeoOrigin | None, epoch_s: float | N
             "time_s": round(float(track.time_s[i]), 6),
             "probability": 0.95,
         }
+        if track.region is not None:
+            properties["weight"] = _number(ellipses.weight[k], 4)
         yield _feature("Polygon", [corners[size * number : size * (number + 1)]], properties)
 
 

@@ -16,6 +16,7 @@ from pdr_est.report.plots.floor_plan import draw_floor_plan
 from pdr_est.report.plots.track_line import draw_device_line, draw_mode_bands, draw_mode_line
 from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import PositionFix
+from pdr_est.types.region import ellipses_of_poses
 from pdr_est.types.track import Track
 
 ELLIPSES = 28  # about as many in all at most: more hide the track
@@ -85,8 +86,9 @@ def plot_track(
     draw_findings(axes, track)
     for number, (one, chosen) in enumerate(zip(tracks, shown, strict=True)):
         colour = svg.MUTED if alone else svg.device_colour(number)
-        for i in chosen:
-            _ellipse(axes, one.position_m[i], one.covariance_m2[i], colour)
+        ellipses = ellipses_of_poses(one.position_m, one.covariance_m2, one.region)
+        for k in np.flatnonzero(np.isin(ellipses.pose, chosen)):
+            _ellipse(axes, ellipses.centre_m[k], ellipses.covariance_m2[k], colour)
     if truth_m is not None and len(truth_m):
         _truth(axes, truth_m)
     _lines(axes, tracks, 0.022 * window.width)
@@ -161,7 +163,7 @@ def _set_window(axes: Axes, window: MapWindow) -> None:
 
 
 def _ellipse(axes: Axes, centre: Array, covariance: Array, colour: str) -> None:
-    """Draw the 95 % region of a 2-D normal distribution."""
+    """Draw the 95 % ellipse of a normal distribution."""
     variances, directions = np.linalg.eigh(covariance)
     short, long = 2.0 * np.sqrt(CHI2_95_2D * np.maximum(variances, 0.0))
     angle = np.degrees(np.arctan2(directions[1, 1], directions[0, 1]))

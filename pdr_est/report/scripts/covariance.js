@@ -26,6 +26,11 @@ function ellipseOutline(x, y, cxx, cxy, cyy, corners = 48) {
   });
 }
 
+/** Compute the outline of an ellipse {x_m, y_m, cxx_m2, cxy_m2, cyy_m2}, as `ellipseOutline`. */
+function outlineOf({ x_m, y_m, cxx_m2, cxy_m2, cyy_m2 }) {
+  return ellipseOutline(x_m, y_m, cxx_m2, cxy_m2, cyy_m2);
+}
+
 /** Compute the standard deviations along the longer and the shorter axis, m. */
 function sigmas(cxx, cxy, cyy) {
   const axes = ellipseAxes(cxx, cxy, cyy);

@@ -21,13 +21,20 @@ function fillCursorTable(table, devices, modes, cursor) {
   show();
 }
 
+/** Say how probable each of several places is; nothing for a single one. */
+function placesText(ellipses) {
+  if (ellipses.length < 2) return '';
+  const shares = ellipses.map(({ weight }) => `${numberText(100 * weight, 0)}\u00a0%`);
+  return `; ${ellipses.length} places: ${shares.join(', ')}`;
+}
+
 function cursorTexts(pose, modes) {
   if (!pose) return CURSOR_COLUMNS.slice(1).map(() => '–');
   const [long, short] = sigmas(pose.cxx_m2, pose.cxy_m2, pose.cyy_m2);
   const heading = `${numberText(wrapDegrees(pose.heading_deg), 0)}° ± ${numberText(pose.sigma_heading_deg, 1)}°`;
   return [
     `${numberText(pose.x_m, 2)}, ${numberText(pose.y_m, 2)} m`,
-    `${numberText(long, 2)}, ${numberText(short, 2)} m`,
+    `${numberText(long, 2)}, ${numberText(short, 2)} m${placesText(pose.ellipses)}`,
     modes[pose.mode] ? modes[pose.mode].name : '–',
     pose.index ? `${numberText(pose.length_m, 2)} m` : '–',
     heading,

@@ -86,9 +86,9 @@ function createDeviceLines(device, panes) {
     for (let i = points.length - 1; i >= 0 && outlines.length < MOST_ELLIPSES; i -= 1) {
       if (i + 1 < points.length) way += Math.hypot(poses.x_m[i + 1] - poses.x_m[i], poses.y_m[i + 1] - poses.y_m[i]);
       if (way < needed || !sight.contains(points[i])) continue;
-      const outline = ellipseOutline(poses.x_m[i], poses.y_m[i], poses.cxx_m2[i], poses.cxy_m2[i], poses.cyy_m2[i]);
-      if (!outline.length) continue;
-      outlines.push([outline]);
+      const shapes = poses.ellipsesOf(i).map(outlineOf).filter((outline) => outline.length);
+      if (!shapes.length) continue;
+      outlines.push(...shapes.map((outline) => [outline]));
       way = 0;
       needed = Math.max(ELLIPSE_APART_PX / scale, 2 * Math.sqrt(poses.cxx_m2[i] + poses.cyy_m2[i]));
     }

@@ -5,11 +5,16 @@
 const POSE_COLUMNS = ['time_s', 'from_s', 'x_m', 'y_m', 'cxx_m2', 'cxy_m2', 'cyy_m2', 'heading_deg',
   'sigma_heading_deg', 'mode', 'length_m'];
 
+/** Name what an ellipse of a region has. */
+const ELLIPSE_COLUMNS = ['weight', 'x_m', 'y_m', 'cxx_m2', 'cxy_m2', 'cyy_m2'];
+
 /**
  * Create an empty table of poses, with one array for each of POSE_COLUMNS.
  *
  * `append(columns)` adds poses, later ones after earlier ones; a column that is left out is filled with NaN, `from_s`
  * with the time of the pose before. `at(time_s)` interpolates, and returns null for an empty table.
+ * `setRegions(columns)` says which poses have several ellipses, with a row for each: the index of its `pose`, and
+ * ELLIPSE_COLUMNS. `ellipsesOf(index)` lists the ellipses of a pose.
  */
 function createPoses() {
   const table = Object.fromEntries(POSE_COLUMNS.map((name) => [name, []]));
@@ -22,6 +27,21 @@ function createPoses() {
         table[name].push(values ? values[i] : name === 'from_s' ? beforeTime(columns, i) : NaN);
       }
     }
+  }
+
+  const regions = new Map();
+
+  function setRegions(columns) {
+    regions.clear();
+    columns.pose.forEach((pose, row) => {
+      if (!regions.has(pose)) regions.set(pose, []);
+      regions.get(pose).push(Object.fromEntries(ELLIPSE_COLUMNS.map((name) => [name, columns[name][row]])));
+    });
+  }
+
+  function ellipsesOf(index) {
+    const of = (name) => (name === 'weight' ? 1 : table[name][index]);
+    return regions.get(index) || [Object.fromEntries(ELLIPSE_COLUMNS.map((name) => [name, of(name)]))];
   }
 
   function beforeTime(columns, i) {
@@ -42,10 +62,11 @@ function createPoses() {
     const pose = { index, time_s };
     for (const name of ['x_m', 'y_m', 'cxx_m2', 'cxy_m2', 'cyy_m2']) pose[name] = between(name);
     for (const name of ['heading_deg', 'sigma_heading_deg', 'mode', 'length_m']) pose[name] = table[name][index];
+    pose.ellipses = regions.get(index) || [{ ...pose, weight: 1 }];
     return pose;
   }
 
-  return { ...table, append, at, get length() { return table.time_s.length; } };
+  return { ...table, append, at, setRegions, ellipsesOf, get length() { return table.time_s.length; } };
 }
 
 /** Find the index of the first of some ascending numbers that is greater than a value; their count if none is. */

@@ -16,7 +16,7 @@ const NEAR_FIX_S = 2;
  * @param element  where the map is drawn; its size is set by CSS
  * @param options  north: true if up is north; modes: [{name, colour, dashes}] by the number of a mode;
  *   onPick(time_s, device, index, pressed): called when the pointer is near a pose (pressed: clicked or tapped)
- * @returns setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet
+ * @returns setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet
  */
 function createTrackMap(element, options = {}) {
   const map = L.map(element, {
@@ -57,6 +57,11 @@ function createTrackMap(element, options = {}) {
   function append(name, columns) {
     devices.find((one) => one.name === name).poses.append(columns);
     if (!frame) frame = requestAnimationFrame(redraw);
+  }
+
+  /** Say which poses of a device have several ellipses: columns as for `setRegions` of poses. */
+  function setRegions(name, columns) {
+    devices.find((one) => one.name === name).poses.setRegions(columns);
   }
 
   function redraw() {
@@ -184,7 +189,9 @@ function createTrackMap(element, options = {}) {
     drawCursor();
   }
 
-  return { setDevices, append, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet: map };
+  return {
+    setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet: map,
+  };
 }
 
 /** Make one canvas for each kind of marks, so that their order never changes; returns Leaflet's options by kind. */
@@ -222,12 +229,13 @@ function wheelWhenPressed(map) {
   map.on('mouseout', () => map.scrollWheelZoom.disable());
 }
 
-/** Draw where a device is: a dot, its heading, its 95 % region. */
+/** Draw where a device is: a dot, its heading, the ellipses of its 95 % region. */
 function drawPose(group, pane, pose, withRegion) {
   const ink = cssColour('--ink');
   if (withRegion) {
-    const outline = ellipseOutline(pose.x_m, pose.y_m, pose.cxx_m2, pose.cxy_m2, pose.cyy_m2);
-    if (outline.length) L.polygon(outline, { ...pane, color: ink, weight: 1.5, fillOpacity: 0.1 }).addTo(group);
+    const outlines = pose.ellipses.map(outlineOf).filter((outline) => outline.length);
+    const style = { ...pane, color: ink, weight: 1.5, fillOpacity: 0.1, fillRule: 'nonzero' };
+    if (outlines.length) L.polygon(outlines.map((outline) => [outline]), style).addTo(group);
   }
   if (Number.isFinite(pose.heading_deg)) {
     const pixels = group._map ? 26 / group._map.options.crs.scale(group._map.getZoom()) : 0;
@@ -258,7 +266,7 @@ function drawFixes(group, pane, fixes, device) {
 
 /** Draw the 95 % region of a fix. */
 function drawFixEllipse(group, pane, fix) {
-  const outline = ellipseOutline(fix.x_m, fix.y_m, fix.cxx_m2, fix.cxy_m2, fix.cyy_m2);
+  const outline = outlineOf(fix);
   const colour = cssColour(fix.kind === 'given' ? '--fix' : '--ink');
   const style = { ...pane, color: colour, weight: 1, opacity: 0.7, fillOpacity: 0.05 };
   if (outline.length) L.polygon(outline, style).addTo(group);

@@ -10,13 +10,14 @@ function exploreWalk() {
   const height = data.height && {
     columns: unpackColumns(data.height.columns), moves: unpackColumns(data.height.moves),
   };
-  const tables = data.devices.map((one) => ({ ...one, table: unpackColumns(one.poses) }));
+  const tables = data.devices.map((one) => (
+    { ...one, table: unpackColumns(one.poses), regions: one.regions && unpackColumns(one.regions) }));
   document.documentElement.classList.add('scripted');
   const map = makeWalkMap(data, tables, fixes, cursor);
   fillToggles(byId('map-toggles'), data, map);
   fillPlaybackBar(byId('playback'), cursor);
   fillWindowBar(byId('time-window'), cursor);
-  const devices = tables.map((one) => ({ name: one.name, poses: posesOf(one.table) }));
+  const devices = tables.map((one) => ({ name: one.name, poses: posesOf(one) }));
   fillCursorTable(byId('cursor-table'), devices, data.modes, cursor);
   const charts = byId('charts');
   walkCharts(signals, tables, fixes, data.modes, height).forEach((spec) => createTimeChart(charts, spec, cursor));
@@ -34,9 +35,10 @@ function unpackSignal(signal) {
   };
 }
 
-function posesOf(table) {
+function posesOf({ table, regions }) {
   const poses = createPoses();
   poses.append(table);
+  if (regions) poses.setRegions(regions);
   return poses;
 }
 
@@ -44,7 +46,10 @@ function makeWalkMap(data, tables, fixes, cursor) {
   const options = { north: data.north, modes: data.modes, onPick: timePicker(cursor) };
   const map = createTrackMap(byId('track-map'), options);
   map.setDevices(data.devices.map(({ name, line }) => ({ name, colour: line })));
-  tables.forEach(({ name, table }) => map.append(name, table));
+  tables.forEach(({ name, table, regions }) => {
+    map.append(name, table);
+    if (regions) map.setRegions(name, regions);
+  });
   if (data.truth) map.setTruth(unpackColumns(data.truth));
   map.setVariants(data.variants.map(({ name, colour, x_m, y_m }) => (
     { name, colour, ...unpackColumns({ x_m, y_m }) })));

@@ -79,10 +79,12 @@ def _shifted(track: Track, origin: GeoOrigin, fixes: Sequence[PositionFix]) -> E
     variance_m2 = np.trace(covariance_m2, axis1=1, axis2=2) / 2.0
     shift_m = [_weighted_median(shifts_m[:, axis], 1.0 / variance_m2) for axis in (0, 1)]
     best = int(np.argmin(variance_m2))
+    region = None if track.region is None else track.region.shifted(np.array(shift_m), covariance_m2[best])
     placed = replace(
         track,
         position_m=track.position_m + np.array(shift_m),
         covariance_m2=track.covariance_m2 + covariance_m2[best],
+        region=region,
     )
     sigma_m = math.sqrt(float(variance_m2[best]))
     words = f"north-up, at the median of {len(fixes)} GPS positions (standard deviation {sigma_m:.1f} m)"

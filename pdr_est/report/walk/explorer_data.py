@@ -16,6 +16,7 @@ from pdr_est.report.plots.time_axis import time_axis
 from pdr_est.report.walk.fix_residuals import FixResiduals
 from pdr_est.report.walk.map_extras import MapExtras
 from pdr_est.types.height import HeightProfile
+from pdr_est.types.region import PoseRegion
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track
 
@@ -25,6 +26,7 @@ TIME_STEP_S = 1e-3
 PLACE_STEP_M = 1e-3
 ANGLE_STEP_DEG = 0.1
 ACCELERATION_STEP_MPS2 = 0.01
+WEIGHT_STEP = 0.01
 CADENCE_STEP_PER_MIN = 0.1
 MOST_SAMPLES = 500_000  # of all devices, 1.3 MB: an hour of two phones has 360 000 at the usual 50 Hz
 
@@ -102,6 +104,22 @@ def _device(track: Track, number: int, count: int) -> Json:
         "colour": _colour(number),
         "line": None if count == 1 else _colour(number),
         "poses": poses,
+        "regions": None if track.region is None else _regions(track.region),
+    }
+
+
+def _regions(region: PoseRegion) -> Json:
+    """Collect the ellipses of the poses that one ellipse does not describe: several rows for each of them."""
+    several = np.flatnonzero(region.components > 1)
+    ellipses = region.rows(several).ellipses()
+    covariance_m2 = ellipses.covariance_m2
+    return {
+        "pose": pack_column(several[ellipses.pose], 1.0),
+        "weight": pack_column(ellipses.weight, WEIGHT_STEP),
+        **_places(ellipses.centre_m),
+        "cxx_m2": pack_floats(covariance_m2[:, 0, 0]),
+        "cxy_m2": pack_floats(covariance_m2[:, 0, 1]),
+        "cyy_m2": pack_floats(covariance_m2[:, 1, 1]),
     }
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from pdr_est.frames import Array
 from pdr_est.types.measurements import PositionFix
+from pdr_est.types.region import ellipses_of_poses
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,9 +42,9 @@ def plot_track_on(
         ax.plot(truth_m[:, 0], truth_m[:, 1], "--", color="#69727f", linewidth=1.0, label="truth")
     for number, name in enumerate(track.devices):
         one, colour = track.of_device(name), _COLOURS[number % len(_COLOURS)]
-        for i in _poses_with_ellipse(one):
-            long_m, short_m, angle_rad = _ellipse(one.covariance_m2[i])
-            centre = (float(one.position_m[i, 0]), float(one.position_m[i, 1]))
+        for centre_m, covariance_m2 in _drawn_ellipses(one):
+            long_m, short_m, angle_rad = _ellipse(covariance_m2)
+            centre = (float(centre_m[0]), float(centre_m[1]))
             shape = Ellipse(centre, 2.0 * long_m, 2.0 * short_m, angle=math.degrees(angle_rad))
             shape.set(facecolor=colour, edgecolor=colour, alpha=0.15, linewidth=0.7)
             ax.add_patch(shape)
@@ -118,14 +119,21 @@ def _svg_shapes(track: "Track", centre: Array, scale: float, colour: str) -> str
 
 
 def _svg_ellipses(track: "Track", centre: Array, scale: float, colour: str) -> Iterator[str]:
-    for i in _poses_with_ellipse(track):
-        x, y = (track.position_m[i] - centre) * np.array([scale, -scale])
-        long_m, short_m, angle_rad = _ellipse(track.covariance_m2[i])
+    for centre_m, covariance_m2 in _drawn_ellipses(track):
+        x, y = (centre_m - centre) * np.array([scale, -scale])
+        long_m, short_m, angle_rad = _ellipse(covariance_m2)
         yield (
             f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{scale * long_m:.1f}" ry="{scale * short_m:.1f}" '
             f'fill="{colour}" fill-opacity="0.12" '
             f'transform="rotate({-math.degrees(angle_rad):.1f} {x:.1f} {y:.1f})"/>'
         )
+
+
+def _drawn_ellipses(track: "Track") -> list[tuple[Array, Array]]:
+    """Return centre and covariance of the ellipses of the regions of the chosen poses."""
+    chosen = _poses_with_ellipse(track)
+    found = ellipses_of_poses(track.position_m, track.covariance_m2, track.region)
+    return [(found.centre_m[k], found.covariance_m2[k]) for k in np.flatnonzero(np.isin(found.pose, chosen))]
 
 
 def _poses_with_ellipse(track: "Track") -> list[int]:

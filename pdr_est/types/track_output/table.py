@@ -17,6 +17,7 @@ from pdr_est.frames import wrap_angle
 from pdr_est.output.atomic_output import text_output
 from pdr_est.output.csv_cells import harmless_name
 from pdr_est.types.height import HeightProfile
+from pdr_est.types.region import MOST_COMPONENTS, PoseRegion
 from pdr_est.types.steps import CarryingMode
 
 if TYPE_CHECKING:
@@ -43,9 +44,17 @@ TRACK_COLUMNS = (
 HEIGHT_COLUMNS = ("height_m", "sigma_height_m", "floor", "floor_probability")
 """Columns that follow where height and floor are known."""
 
+REGION_COLUMNS = tuple(
+    f"region_{number}_{name}"
+    for number in range(1, MOST_COMPONENTS + 1)
+    for name in ("weight", "x_m", "y_m", "cov_xx_m2", "cov_xy_m2", "cov_yy_m2")
+)
+"""Columns that follow where the track has a region; they are empty for components that a pose does not need."""
+
 _TEXT_COLUMNS = ("device", "mode")
 _ROUNDING = {"time_s": ".6f", "x_m": ".4f", "y_m": ".4f", "heading_rad": ".6f", "step_length_m": ".4f"}
 _ROUNDING |= {"height_m": ".3f", "sigma_height_m": ".3f", "floor": "d", "floor_probability": ".4f"}
+_ROUNDING |= {name: ".9g" if "_cov_" in name else ".4f" for name in REGION_COLUMNS}
 _ROUNDING |= dict.fromkeys(("cov_xx_m2", "cov_xy_m2", "cov_yy_m2"), ".9g") | {"sigma_heading_rad": ".6g"}
 
 
@@ -70,14 +79,24 @@ def columns_of(track: "Track") -> dict[str, NDArray[Any]]:
         places, profile = track.height.nearest(track.time_s), track.height
         heights = (profile.height_m, profile.sigma_m, profile.floor, profile.floor_probability)
         columns |= {name: column[places] for name, column in zip(HEIGHT_COLUMNS, heights, strict=True)}
+    if track.region is not None:
+        columns |= _region_columns(track.region)
     return columns
+
+
+def _region_columns(region: PoseRegion) -> dict[str, NDArray[Any]]:
+    """Compute the columns (n,) of the region; NaN for components that a pose does not need."""
+    covariance = region.covariance_m2.reshape(*region.weight.shape, 4)[..., [0, 1, 3]]
+    weight = np.where(region.weight > 0.0, region.weight, np.nan)
+    values = np.concatenate([weight[..., None], region.mean_m, covariance], axis=2).reshape(len(region), -1)
+    return dict(zip(REGION_COLUMNS, values.T, strict=True))
 
 
 def write_csv(track: "Track", path: str | Path) -> None:
     """Write the track table with its header, numbers rounded to 0.1 mm or finer."""
     columns = columns_of(track)
     texts = [
-        [format(value, _ROUNDING[name]) for value in column.tolist()]
+        [_number_text(name, value) for value in column.tolist()]
         if name in _ROUNDING
         else list(map(harmless_name, column.tolist()))
         for name, column in columns.items()
@@ -86,6 +105,10 @@ def write_csv(track: "Track", path: str | Path) -> None:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows(zip(*texts, strict=True))
+
+
+def _number_text(name: str, value: float) -> str:
+    return "" if name in REGION_COLUMNS and math.isnan(value) else format(value, _ROUNDING[name])
 
 
 def read_csv(path: str | Path) -> dict[str, Any]:
@@ -101,10 +124,14 @@ def read_csv(path: str | Path) -> dict[str, Any]:
             header, *rows = list(csv.reader(stream)) or [[]]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RecordingError(f"{path}: cannot be read as a track table: {error}") from error
-    if tuple(header) not in (TRACK_COLUMNS, TRACK_COLUMNS + HEIGHT_COLUMNS):
+    possible = [
+        (*TRACK_COLUMNS, *heights, *regions) for heights in ((), HEIGHT_COLUMNS) for regions in ((), REGION_COLUMNS)
+    ]
+    if tuple(header) not in possible:
         raise RecordingError(
             f"{path}: not a track table: its first line is {','.join(header)[:80]!r}, but the columns must be "
-            f"{','.join(TRACK_COLUMNS)}, and {','.join(HEIGHT_COLUMNS)} may follow"
+            f"{','.join(TRACK_COLUMNS)}, and {','.join(HEIGHT_COLUMNS)} may follow, and the {len(REGION_COLUMNS)} "
+            f"columns {REGION_COLUMNS[0]} to {REGION_COLUMNS[-1]}"
         )
     if not rows:
         raise RecordingError(f"{path}: the track table has no rows: a track has at least its start")
@@ -127,6 +154,7 @@ def read_csv(path: str | Path) -> dict[str, Any]:
         "mode": columns["mode"],
         "step_length_m": columns["step_length_m"],
         "height": _height(columns),
+        "region": _region(columns),
     }
 
 
@@ -137,6 +165,15 @@ def _height(columns: dict[str, NDArray[Any]]) -> HeightProfile | None:
     time_s, first = np.unique(columns["time_s"], return_index=True)
     height_m, sigma_m, floor, probability = (columns[name][first] for name in HEIGHT_COLUMNS)
     return HeightProfile(time_s, height_m, sigma_m, floor, probability)
+
+
+def _region(columns: dict[str, NDArray[Any]]) -> PoseRegion | None:
+    """Make the region of the poses; None where it is not in the table."""
+    if REGION_COLUMNS[0] not in columns:
+        return None
+    values = np.stack([columns[name] for name in REGION_COLUMNS], axis=1).reshape(-1, MOST_COMPONENTS, 6)
+    covariance = values[..., [3, 4, 4, 5]].reshape(-1, MOST_COMPONENTS, 2, 2)
+    return PoseRegion(np.nan_to_num(values[..., 0], nan=0.0), values[..., 1:3], covariance)
 
 
 def _column(path: str | Path, name: str, index: int, rows: list[list[str]], count: int) -> NDArray[Any]:
@@ -161,6 +198,8 @@ def _cell(name: str, text: str) -> Any:
         return text
     if name == "floor":
         return int(text)
+    if name in REGION_COLUMNS and not text:
+        return math.nan
     return CarryingMode[text].value if name == "mode" else float(text)
 
 

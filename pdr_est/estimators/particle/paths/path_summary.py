@@ -1,4 +1,6 @@
-"""Track of a device from paths drawn from the posterior: poses, covariances about them, and samples of the region."""
+"""Track of a device from paths drawn from the posterior: poses, covariances about them, and regions."""
+
+from dataclasses import replace
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -6,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
+from pdr_est.estimators.particle.paths.mixture_fit import fitted_region
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
 from pdr_est.frames import Array, wrap_angle
@@ -50,7 +53,9 @@ def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, plans: Pl
     covariance = off @ off.transpose(0, 2, 1) / poses.shape[2]
     scale = np.exp(log_scale)
     found = float(scale.mean()), float(scale.std())
-    return track_from_nodes(timeline, position, heading, covariance, "smoothed", NAME, found)
+    track = track_from_nodes(timeline, position, heading, covariance, "smoothed", NAME, found)
+    ends = [number for number, node in enumerate(timeline.nodes) if node.is_step]
+    return replace(track, region=fitted_region(place[ends], track.position_m, track.covariance_m2))
 
 
 def geometric_median(points: Array) -> Array:

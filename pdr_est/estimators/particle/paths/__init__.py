@@ -1,0 +1,1 @@
+"""What the paths that a smoother draws say of a pose."""
