@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.errors import EstimationError
-from pdr_est.estimators import Estimator, estimator_named
+from pdr_est.estimators import AUTO, Estimator, estimator_named
 from pdr_est.estimators.common.unknown_direction import with_unknown_direction
 from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.walk_findings import findings_of
@@ -138,7 +138,7 @@ def detect_steps(
 def estimate(
     odometry: Odometry,
     fixes: Sequence[PositionFix] = (),
-    estimator: str | Estimator = "factor-graph",
+    estimator: str | Estimator = AUTO,
     *,
     start: StartPose | None = None,
     tethers: Sequence[DeviceTether] = (),
@@ -156,7 +156,7 @@ def estimate(
         Known positions of the person in the map frame.
     estimator
         Name of an estimator, `module:attribute` of one from outside the package, or an object with the contract
-        `pdr_est.Estimator`.
+        `pdr_est.Estimator`. "auto" is particle on a floor plan, and factor-graph without one.
     start
         Pose at the start of the walk, common to all devices; by default it is found from the fixes, and without
         fixes the track starts at the origin along x.
@@ -165,7 +165,8 @@ def estimate(
     sigma_length_scale
         Standard deviation of the walker's step length relative to that of the odometry.
     plan
-        Floor plan in the map frame, for an estimator whose spec says `uses_plan`; others take no notice of it.
+        Floor plan in the map frame, for an estimator whose spec says `uses_plan`, such as particle; others take no
+        notice of it.
 
     Returns
     -------
@@ -183,7 +184,7 @@ def estimate(
         for one in _by_device(odometry)
     ]
     chosen: Estimator = (
-        estimator_named(estimator)
+        estimator_named(estimator, on_plan=plan is not None)
         if isinstance(estimator, str)
         else given_part(estimator, ESTIMATOR, "estimator", {})
     )

@@ -120,7 +120,9 @@ def estimation_options(command: Command) -> Command:
     for option in reversed(
         (
             click.option(
-                "--estimator", type=click.Choice(ESTIMATORS), help="Estimator of the track. Default: factor-graph."
+                "--estimator",
+                type=click.Choice(ESTIMATORS),
+                help="Estimator of the track. Default: factor-graph; with --plan particle; while recording ekf.",
             ),
             detector_option,
             length_model_option,

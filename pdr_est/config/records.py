@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from annotated_types import Ge, Le
 
 from pdr_est.clock_sync import ClockMethod, GivenClock
-from pdr_est.estimators import ESTIMATORS, Estimator, estimator_named
+from pdr_est.estimators import AUTO, ESTIMATORS, Estimator, estimator_named
 from pdr_est.estimators.common.fix_noise import FixNoiseParams
 from pdr_est.estimators.common.tethers import TetherParams
 from pdr_est.estimators.fixed_lag.params import FixedLagParams
@@ -71,8 +71,9 @@ class StartParams:
 class EstimatorParams:
     """Choice of the estimator; the parameters of each lie under its own name."""
 
-    name: Annotated[str, PartName(ESTIMATORS)] = "factor-graph"
-    """Name of the estimator, or module:attribute for one of your own."""
+    name: Annotated[str, PartName((AUTO, *ESTIMATORS))] = "auto"
+    """Name of the estimator, or module:attribute for one of your own; auto is particle where there is a floor plan,
+    because it keeps the track on it, and factor-graph where there is none."""
 
     parameters: dict[str, Any] = field(default_factory=dict, hash=False)
     """Arguments of an estimator of your own, which `name` names as module:attribute."""
@@ -86,9 +87,12 @@ class EstimatorParams:
     particle: ParticleParams = ParticleParams()
     """Parameters of the estimator particle."""
 
-    def make(self) -> Estimator:
-        """Make the estimator. Raises PartError for one from outside the package that cannot be made."""
-        return estimator_named(self.name, self.parameters, self.map_fusion, self.fixed_lag, self.particle)
+    def make(self, on_plan: bool = False) -> Estimator:
+        """Make the estimator of a walk, which has a floor plan or not.
+
+        Raises PartError for an estimator from outside the package that cannot be made.
+        """
+        return estimator_named(self.name, self.parameters, self.map_fusion, self.fixed_lag, self.particle, on_plan)
 
 
 @params

@@ -20,6 +20,7 @@ from pdr_est.types.measurements import DeviceMeasurements, DeviceTether, Measure
 from pdr_est.types.track import Track
 
 __all__ = [
+    "AUTO",
     "ESTIMATORS",
     "SPECS",
     "BuiltInEstimator",
@@ -32,6 +33,7 @@ __all__ = [
     "OnlineFilter",
     "OnlinePose",
     "Timeline",
+    "automatic_name",
     "estimate_track",
     "estimate_walk",
     "estimator_named",
@@ -44,8 +46,16 @@ EstimatorName = Literal[
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 """Names of the estimators of the package, which are the keys of `SPECS`."""
 
+AUTO = "auto"
+"""Name of the choice that depends on what is known of the walk, see `automatic_name`."""
+
 _NO_PARAMETERS: Mapping[str, Any] = {}
 _MAP_FUSION, _FIXED_LAG, _PARTICLE = MapFusionParams(), FixedLagParams(), ParticleParams()
+
+
+def automatic_name(on_plan: bool) -> EstimatorName:
+    """Return the name of the estimator where none is chosen: the one that keeps to the floor plan if there is one."""
+    return "particle" if on_plan else "factor-graph"
 
 
 def estimator_named(
@@ -54,17 +64,20 @@ def estimator_named(
     map_fusion: MapFusionParams = _MAP_FUSION,
     fixed_lag: FixedLagParams = _FIXED_LAG,
     particle: ParticleParams = _PARTICLE,
+    on_plan: bool = False,
 ) -> Estimator:
     """Make an estimator.
 
     Parameters
     ----------
     name
-        One of `ESTIMATORS`, or the dotted name, `module:attribute`, of one from outside the package.
+        One of `ESTIMATORS`, "auto", or the dotted name, `module:attribute`, of one from outside the package.
     parameters
         Arguments of the class or function that a dotted name stands for.
     map_fusion, fixed_lag, particle
         Parameters of the estimators of the package.
+    on_plan
+        True if the walk has a floor plan, which decides for "auto".
 
     Raises
     ------
@@ -76,8 +89,10 @@ def estimator_named(
     if is_external(name):
         own: Estimator = named_part(name, parameters, ESTIMATOR, "estimator.name", {})
         return own
+    if name == AUTO:
+        name = automatic_name(on_plan)
     if name not in SPECS:
-        raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join(ESTIMATORS)}")
+        raise EstimationError(f"unknown estimator {name!r}: choose one of {', '.join((AUTO, *ESTIMATORS))}")
     return BuiltInEstimator(SPECS[name], EstimatorSettings(map_fusion, fixed_lag, particle))
 
 

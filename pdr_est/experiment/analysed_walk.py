@@ -118,7 +118,7 @@ class AnalysedWalk:
             if _equal(given, fixes):
                 return known
         started = time.process_time()
-        config = with_plan_directions(self.config, self.plan, self.config.estimator.make().spec)
+        config = with_plan_directions(self.config, self.plan, self.config.estimator.make(on_plan=True).spec)
         devices = self._devices_on_plan
         if devices is None:
             devices = self.devices if config == self.config else pipeline.analyse_recording(self.recording, config)

@@ -43,7 +43,7 @@ def smooth_recording(
         As `analyse_recording` and `estimate_tracks`.
     """
     refuse_unusable_inputs(recording, config, fixes, plan)
-    estimator = chosen_estimator(config, parts)
+    estimator = chosen_estimator(config, parts, plan is not None)
     config = with_plan_directions(config, plan, estimator.spec)
     started = time.process_time()
     devices = analyse_recording(recording, config, parts, needs_whole_walk(config, estimator.spec))
@@ -106,7 +106,7 @@ def estimate_tracks(
         For a device without gyroscope, and for measurements that give no track.
     """
     refuse_without_heading(walks)
-    estimator = chosen_estimator(config, parts)
+    estimator = chosen_estimator(config, parts, plan is not None)
     plans = plans_of_walk(plan, walks).measurements
     given = [measurements_of(walk, config, fixes, estimator.spec, plans) for walk in walks]
     devices = with_turns_of_others(without_partial_north(given))

@@ -17,13 +17,13 @@ from pdr_est.types.measurements import LATE_START_S, DeviceMeasurements, DeviceT
 from pdr_est.types.track import Track, concatenate
 
 
-def chosen_estimator(config: Config, parts: Parts) -> Estimator:
-    """Make the estimator that was given in Python, else the configured one.
+def chosen_estimator(config: Config, parts: Parts, on_plan: bool = False) -> Estimator:
+    """Make the estimator that was given in Python, else the configured one of a walk with a floor plan or without.
 
     Raises ConfigError for one that cannot be made, or that makes no use of a closed walk.
     """
     if parts.estimator is None:
-        return config.estimator.make()
+        return config.estimator.make(on_plan)
     estimator: Estimator = given_part(parts.estimator, ESTIMATOR, "Parts: estimator", {})
     words = unused_closure(estimator.spec) if config.start.closed else None
     if words is not None:

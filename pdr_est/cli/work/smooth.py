@@ -26,6 +26,7 @@ from pdr_est.cli.walk_list import are_separate_walks, distinct_paths, expand_arg
 from pdr_est.cli.work.smoothing import REPORT, SmoothRequest, smooth_one_of_many, smooth_to_folder
 from pdr_est.clock_sync import ClockMethod
 from pdr_est.errors import OutputError
+from pdr_est.estimators import AUTO
 from pdr_est.io.tables.mapping import TableMapping
 from pdr_est.preprocessing.moments import Moment
 from pdr_est.report.background.reading import read_background
@@ -84,6 +85,10 @@ def smooth_walks(
         click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {shown}")
         if config.start.pose().position_m is not None and summary["frame"] != "map":
             click.echo(f"frame: {summary['frame_meaning']}; give --heading, a second position, or fixes")
+        if chosen.path is not None and config.estimator.name == AUTO:
+            click.echo(
+                f"estimator: {summary['estimator']}, {summary['estimator_meaning']}; --estimator chooses another"
+            )
         for line in (*result.left_out, *result.words):
             click.echo(line)
 

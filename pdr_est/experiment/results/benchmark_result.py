@@ -8,6 +8,7 @@ from pdr_est import __version__
 from pdr_est.evaluate.metric_definitions import DEFINITIONS, pooled_average
 from pdr_est.evaluate.statistics import Average
 from pdr_est.experiment.results.walk_result import Failure
+from pdr_est.experiment.scoring.known_plan import PLAN_METRICS
 from pdr_est.experiment.suite import ConfusionMatrix, Suite, WalkFile
 from pdr_est.experiment.variants.alignment import aligned_variants
 from pdr_est.experiment.variants.axes import Comparison
@@ -53,6 +54,14 @@ class BenchmarkResult:
         with_fixes = any(name in DEFINITIONS and DEFINITIONS[name].with_fixes for name in self.suite.metrics)
         return aligned_variants(self.comparison.variants) if with_fixes else ()
 
+    @property
+    def estimator_on_plan(self) -> str | None:
+        """Estimator of the metrics on a floor plan where that of all others was not chosen; None for the same one."""
+        if not set(PLAN_METRICS) & set(self.suite.metrics):
+            return None
+        names = (variant.automatic_on_plan for variant in self.comparison.variants)
+        return next((name for name in names if name is not None), None)
+
     def summary(self, variant: str) -> Summary:
         """Average each metric of a variant over the headline walks."""
         return self._averages(row for row in self._rows_of(variant) if self.files[row.walk].headline)
@@ -77,6 +86,7 @@ class BenchmarkResult:
         configured variant, and (for the setting "estimator") `estimators` and `estimator_groups` contain those of
         each. A suite that classifies steps also has `confusion` and `estimator_confusion`. `aligned_with_fixes` lists
         the variants, if any, whose metrics with fixes are those of a track that was only aligned with them.
+        `estimator_on_plan` names the estimator of the metrics on a floor plan where none was chosen.
         """
         main, axis, names = self.comparison.main, self.comparison.axis, self.comparison.names
         document: Json = {
@@ -96,6 +106,8 @@ class BenchmarkResult:
             document["confusion"] = confusions[main.name]
             if len(names) > 1:
                 document[f"{axis}_confusion"] = confusions
+        if self.estimator_on_plan is not None:
+            document["estimator_on_plan"] = self.estimator_on_plan
         if self.aligned:
             document["aligned_with_fixes"] = list(self.aligned)
         document["walks"] = self._row_documents()

@@ -35,6 +35,11 @@ def print_benchmark(result: BenchmarkResult, console: Console) -> None:
             _print(console, _confusion(f"{of}, {name}", confusion))
     if result.aligned:
         console.print(fill(ALIGNED_NOTE, _NARROWEST), markup=False, highlight=False, soft_wrap=True)
+    if result.estimator_on_plan is not None:
+        words = (
+            f"Metrics on a floor plan (…_plan) are those of {result.estimator_on_plan}, as no estimator is chosen."
+        )
+        console.print(fill(words, _NARROWEST), markup=False, highlight=False, soft_wrap=True)
     for failure in result.failures:
         console.print(f"skipped {failure.walk}: {failure.reason}", markup=False, highlight=False, soft_wrap=True)
 

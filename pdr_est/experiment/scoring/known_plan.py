@@ -18,9 +18,9 @@ PLAN_METRICS = ("error_plan_m", "coverage95_plan", "outside_plan", "error_heldou
 def plan_part(walk: AnalysedWalk, name: str, truth: TruePositions) -> MetricPart:
     """Compute `PLAN_METRICS` of one device, or of the person.
 
-    The first true position is the only fix, or every third one for the last two metrics, and nothing is aligned. The
-    metrics are missing where no plan lies beside the recording, where the estimator makes no use of one, and where
-    nothing tells north.
+    The first true position is the only fix, or every third one for the last two metrics, and nothing is aligned.
+    Where no estimator is chosen, it is the one for walks on a floor plan. The metrics are missing where no plan lies
+    beside the recording, where the estimator makes no use of one, and where nothing tells north.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def plan_part(walk: AnalysedWalk, name: str, truth: TruePositions) -> MetricPart
     truth : TruePositions
         True positions in the frame of the plan, at least two of them within the recording.
     """
-    spec = walk.config.estimator.make().spec
+    spec = walk.config.estimator.make(on_plan=True).spec
     if walk.plan is None:
         return MetricPart(missing=dict.fromkeys(PLAN_METRICS, walk.without_plan))
     if not (spec.uses_plan or spec.smooths):

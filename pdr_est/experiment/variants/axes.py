@@ -8,7 +8,7 @@ from typing import Protocol
 from pdr_est.config import Config, EstimatorParams, config_to_dict, config_with
 from pdr_est.config.front_ends import FRONT_ENDS, front_end_of, with_front_end
 from pdr_est.errors import ConfigError
-from pdr_est.estimators import ESTIMATORS
+from pdr_est.estimators import AUTO, ESTIMATORS, automatic_name
 from pdr_est.front_end.heading import HEADINGS
 from pdr_est.front_end.step_length import LENGTH_MODELS
 from pdr_est.front_end.steps import DETECTORS
@@ -79,6 +79,16 @@ class SettingAxis:
 
 
 @dataclass(frozen=True)
+class EstimatorAxis(SettingAxis):
+    """The estimator. Where none is chosen, the value is that of walks without a floor plan."""
+
+    def value_in(self, config: Config) -> str:
+        """Return the name of the estimator of walks without a floor plan."""
+        name = config.estimator.name
+        return automatic_name(on_plan=False) if name == AUTO else name
+
+
+@dataclass(frozen=True)
 class FrontEndAxis:
     """The choice among the named front ends, which stands for several settings.
 
@@ -103,7 +113,7 @@ class FrontEndAxis:
 
 
 AXES: tuple[Axis, ...] = (
-    SettingAxis("estimator", ESTIMATORS, "estimator", "name"),
+    EstimatorAxis("estimator", ESTIMATORS, "estimator", "name"),
     SettingAxis("detector", DETECTORS, "steps", "detector"),
     SettingAxis("length-model", LENGTH_MODELS, "step_length", "model"),
     SettingAxis("heading", HEADINGS, "heading", "method"),
@@ -134,6 +144,11 @@ class Variant:
         """Return the file with the track of a walk; `{walk}` stands for its name, `{name}` for the end of it."""
         pattern = self.track_files or ""
         return Path(pattern.replace("{walk}", walk).replace("{name}", walk.rpartition("/")[2]))
+
+    @property
+    def automatic_on_plan(self) -> str | None:
+        """Name of the estimator of walks on a floor plan where none is chosen; None where one is."""
+        return automatic_name(on_plan=True) if self.config.estimator.name == AUTO else None
 
     def settings(self) -> dict[str, str]:
         """Return the value on every axis, by name of the axis."""
@@ -174,7 +189,10 @@ def comparison_on_axis(config: Config, axis: str = "estimator", values: Sequence
     """
     chosen = axis_named(axis)
     configured = chosen.value_in(config)
-    wanted = (configured,) if values is None else tuple(values)
+    if values is None:
+        only = Variant(configured, config)  # with what stands open in the configuration, such as "auto"
+        return Comparison(axis, (only,), only)
+    wanted = tuple(values)
     if not wanted:
         raise ConfigError(f"no {axis} to compare: name at least one")
     variants = tuple(Variant(value, chosen.with_value(config, value)) for value in wanted)

@@ -2,6 +2,7 @@
 
 import math
 
+from pdr_est.estimators import AUTO
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.track import Track
 
@@ -35,6 +36,21 @@ def _odds(log_odds: float) -> str:
     if log_odds < 0.0:
         return f"{'less than ' if more else ''}1:{text}"
     return f"{more}{text}:1"
+
+
+def describe_choice(name: str, on_plan: bool) -> str:
+    """Describe why an estimator was used.
+
+    Parameters
+    ----------
+    name : str
+        Name in the configuration.
+    on_plan : bool
+        True for a walk with a floor plan.
+    """
+    if name != AUTO:
+        return "chosen"
+    return "the default with a floor plan, because it keeps the track on it" if on_plan else "the default"
 
 
 def describe_length_scale(track: Track, with_fixes: bool, with_profile: bool) -> str:

@@ -1,4 +1,4 @@
-"""Numbers about the floors of a walk: heights, and the floor plan."""
+"""Numbers about the places of a walk: heights, the floor plan, and positions that are not decided."""
 
 from dataclasses import asdict
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.height import HeightProfile
+from pdr_est.types.region import PoseRegion
 
 
 def describe_height(profile: HeightProfile | None) -> dict[str, Any] | None:
@@ -18,6 +19,18 @@ def describe_height(profile: HeightProfile | None) -> dict[str, Any] | None:
         "highest_m": float(profile.height_m.max()),
         "floor_probability": float(profile.floor_probability.min()),
         "moves": [asdict(move) | {"kind": move.kind.value} for move in profile.moves],
+    }
+
+
+def describe_places(region: PoseRegion) -> dict[str, Any]:
+    """Describe where a device may be, where one ellipse does not say it: how often, and at the end."""
+    end = region.rows(slice(-1, None)).ellipses()
+    return {
+        "share_of_poses_with_several": float((region.components > 1).mean()),
+        "at_the_end": [
+            {"probability": probability, "position_m": place_m}
+            for probability, place_m in zip(end.weight.tolist(), end.centre_m.tolist(), strict=True)
+        ],
     }
 
 

@@ -15,11 +15,17 @@ import numpy as np
 
 from pdr_est.calibration.profile import Profile
 from pdr_est.clock_sync import ClockEstimate
+from pdr_est.estimators import AUTO
 from pdr_est.evaluate.consistency import radius95_m
 from pdr_est.pipeline import DeviceWalk, SmoothedWalk
-from pdr_est.report.walk.descriptions import describe_directions, describe_frame, describe_length_scale
+from pdr_est.report.walk.descriptions import (
+    describe_choice,
+    describe_directions,
+    describe_frame,
+    describe_length_scale,
+)
 from pdr_est.report.walk.mode_statistics import mode_statistics
-from pdr_est.report.walk.places import describe_height, describe_walk_on_plan
+from pdr_est.report.walk.places import describe_height, describe_places, describe_walk_on_plan
 from pdr_est.types.clock import utc_date
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix, StartPose
@@ -80,6 +86,9 @@ def summarise(
         "recording": _recording(recording),
         "inputs": [{"name": name, "sha256": digest} for name, digest in inputs.items()],
         "estimator": track.estimator,
+        "estimator_meaning": describe_choice(
+            config_dict.get("estimator", {}).get("name", AUTO), walk.plan is not None
+        ),
         "kind": track.kind,
         **_frame(walk, start),
         "duration_s": _duration_s(walk),
@@ -252,6 +261,7 @@ def _device_track(track: Track) -> Json:
         "end_position_m": track.position_m[-1],
         "end_radius95_m": radius[-1],
         "largest_radius95_m": known.max() if len(known) else None,
+        "places": None if track.region is None else describe_places(track.region),
     }
 
 

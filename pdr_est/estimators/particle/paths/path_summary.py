@@ -1,8 +1,7 @@
 """Track of a device from paths drawn from the posterior: poses, covariances about them, and regions."""
 
-from dataclasses import replace
-
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
