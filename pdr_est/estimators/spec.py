@@ -11,9 +11,11 @@ from pdr_est.frames import Array
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
+    FloorPlan,
     HeadingPrior,
     LoopClosure,
     PositionFix,
+    PresentFloor,
     StartPose,
     StepOdometry,
 )
@@ -145,12 +147,15 @@ class OnlinePose:
 class OnlineFilter(Protocol):
     """Filter of one walk that is fed while the devices record. Its whole state is picklable."""
 
-    def push(self, measurement: StepOdometry | HeadingPrior | PositionFix | LoopClosure) -> list[OnlinePose]:
+    def push(
+        self, measurement: StepOdometry | HeadingPrior | PositionFix | LoopClosure | FloorPlan | PresentFloor
+    ) -> list[OnlinePose]:
         """Take one measurement; return the poses that are new or have changed.
 
         Measurements come in order of time, those of all devices in one sequence. A heading prior follows the step at
         whose end it stands; a fix comes once, whatever the number of devices; the loop closures of a closed walk come
-        at its end. There are no tethers.
+        at its end. There are no tethers. Where the spec of the estimator says `uses_plan`, a floor plan comes first;
+        of a building that of every floor as a `PresentFloor`, that of the start last, and then each change of floor.
         """
         ...
 

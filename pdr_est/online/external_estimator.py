@@ -11,16 +11,17 @@ from pdr_est.config import Config
 from pdr_est.errors import ConfigError
 from pdr_est.estimators import BuiltInEstimator, OnlineEstimator, OnlineFilter, OnlinePose
 from pdr_est.estimators.common.nodes import Node
+from pdr_est.online.heights.floors_with_plans import FloorsWithPlans
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.update import PoseEstimate
-from pdr_est.online.walk_estimator import FilteredPose
+from pdr_est.online.walk_estimator import FilteredPose, WalkEstimator
 from pdr_est.parts import Parts
 from pdr_est.pipeline.estimation import chosen_estimator
-from pdr_est.types.measurements import HeadingPrior, LoopClosure, PositionFix, StepOdometry
+from pdr_est.types.measurements import HeadingPrior, LoopClosure, PositionFix, PresentFloor, StepOdometry
 from pdr_est.types.steps import CarryingMode
 
-_Measurement = StepOdometry | HeadingPrior | PositionFix
-_RANK = {StepOdometry: 0, HeadingPrior: 1, PositionFix: 2}  # of measurements of one time
+_Measurement = StepOdometry | HeadingPrior | PositionFix | PresentFloor
+_RANK = {PresentFloor: -1, StepOdometry: 0, HeadingPrior: 1, PositionFix: 2}  # of measurements of one time
 
 
 class ExternalWalkEstimator:
@@ -39,10 +40,14 @@ class ExternalWalkEstimator:
         Start pose and uncertainty of the length scale.
     online
         Waiting.
+    floors
+        Floors with their plans, of which the filter gets each change.
     """
 
-    def __init__(self, estimator: OnlineEstimator, config: Config, online: OnlineParams) -> None:
-        self._estimator, self._config, self._online = estimator, config, online
+    def __init__(
+        self, estimator: OnlineEstimator, config: Config, online: OnlineParams, floors: FloorsWithPlans
+    ) -> None:
+        self._estimator, self._config, self._online, self._floors = estimator, config, online, floors
         self._names: list[str] = []
         self._filter: OnlineFilter | None = None
         self._pending: list[tuple[float, int, int, int, _Measurement]] = []  # a heap, in order of time
@@ -84,6 +89,8 @@ class ExternalWalkEstimator:
         latency_s
             Latency of the front end of the device.
         """
+        for floor in self._floors.take():
+            self._wait(floor, -1)
         for measurement in measurements:
             self._wait(measurement, device)
             if isinstance(measurement, StepOdometry):
@@ -146,6 +153,8 @@ class ExternalWalkEstimator:
         if self._filter is None:
             start, sigma_scale = self._config.start.pose(), self._config.odometry.sigma_length_scale
             self._filter = self._estimator.begin(list(self._names), start, sigma_scale)
+            for plan in self._floors.at_start():
+                self._filter.push(plan)
         return self._filter
 
     def _remember(self, step: StepOdometry, start_s: float) -> None:
@@ -178,17 +187,24 @@ class ExternalWalkEstimator:
         )
 
 
-def external_estimator(config: Config, parts: Parts, online: OnlineParams) -> ExternalWalkEstimator | None:
-    """Make an estimator with a filter of its own that was given or configured; None for the others of the package.
+def estimator_of_walk(
+    config: Config, parts: Parts, online: OnlineParams, floors: FloorsWithPlans
+) -> ExternalWalkEstimator | WalkEstimator:
+    """Make the estimator of a walk that was given or configured, with a filter of its own or that of the tracker.
 
-    Raises ConfigError for one that does not work online.
+    Raises ConfigError for one that does not work online, or not with the floor plan that is given.
     """
     estimator = chosen_estimator(config, parts)
+    if floors.plan is not None and not estimator.spec.uses_plan:
+        raise ConfigError(
+            f"the estimator {estimator.spec.name} makes no use of the floor plan {floors.plan.name}: track with "
+            "particle, or leave the plan out"
+        )
     if isinstance(estimator, BuiltInEstimator) and not estimator.has_filter:
-        return None
+        return WalkEstimator(config, online)
     if not estimator.spec.online or not hasattr(estimator, "begin"):
         raise ConfigError(
             f"the estimator {estimator.spec.name} does not work online (spec.online = {estimator.spec.online}"
             f"{'' if hasattr(estimator, 'begin') else ', no begin'}): track with ekf or fixed-lag"
         )
-    return ExternalWalkEstimator(cast(OnlineEstimator, estimator), config, online)
+    return ExternalWalkEstimator(cast(OnlineEstimator, estimator), config, online, floors)

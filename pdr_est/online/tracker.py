@@ -9,14 +9,15 @@ from pdr_est.estimators.common.fix_noise import fixes_with_noise
 from pdr_est.estimators.common.measurement_checks import refuse_unusable
 from pdr_est.estimators.person.track import NAME as PERSON
 from pdr_est.online.device_front_end import DeviceFrontEnd, ExpectedDevice, refuse_malformed
-from pdr_est.online.external_estimator import external_estimator
+from pdr_est.online.external_estimator import estimator_of_walk
+from pdr_est.online.heights.floors_with_plans import FloorsWithPlans
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.saved_state import pack, unpack
 from pdr_est.online.update import Kind, Update
 from pdr_est.online.update_assembly import UpdateAssembly
-from pdr_est.online.walk_estimator import WalkEstimator
 from pdr_est.parts import NO_PARTS, Parts
 from pdr_est.pipeline.inputs import refuse_settings_for_whole_walks
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.height import WalkerHeight
 from pdr_est.types.measurements import HeadingPrior, PositionFix, StepOdometry
 from pdr_est.types.sensors import SensorBlock
@@ -48,6 +49,8 @@ class Tracker:
         Waiting and rewinding.
     parts
         Stages and an estimator of the user's own.
+    plan
+        Floor plan, or those of several floors, for an estimator that uses one.
 
     Attributes
     ----------
@@ -57,7 +60,9 @@ class Tracker:
     Raises
     ------
     ConfigError
-        For a configuration that cannot be used online.
+        For a configuration that cannot be used online, and an estimator that makes no use of the plan.
+    FloorPlanError
+        For a plan that cannot be used, and several floors without that of the start.
     EstimationError
         For two devices of the same name.
     """
@@ -68,20 +73,21 @@ class Tracker:
         devices: Sequence[str | ExpectedDevice] = (),
         online: OnlineParams = _ONLINE,
         parts: Parts = NO_PARTS,
+        plan: FloorPlan | BuildingPlan | None = None,
     ) -> None:
         self._config = Config() if config is None else config
         refuse_settings_for_whole_walks(self._config)
+        floors = FloorsWithPlans(plan, self._config)
         self._online, self._parts = online, parts
         self._names: list[str] = []
         self._front_ends: list[DeviceFrontEnd] = []
         self._measured: list[list[StepOdometry | HeadingPrior]] = []  # by device: what waits for the filter
         self._processed_s: list[float] = []  # by device: time up to which its samples have been filtered
-        self._estimator = external_estimator(self._config, parts, online) or WalkEstimator(self._config, online)
+        self._estimator = estimator_of_walk(self._config, parts, online, floors)
         delays_s: dict[Kind, float] = {"filtered": 0.0}
-        if self._estimator.delayed:
-            delays_s["delayed"] = online.settle_s + self._config.estimator.fixed_lag.lag_s
-        self._lag_s = delays_s.get("delayed")
-        self._updates = UpdateAssembly(self._names, self._front_ends, self._config, online, delays_s)
+        self._lag_s = online.settle_s + self._config.estimator.fixed_lag.lag_s if self._estimator.delayed else None
+        delays_s |= {} if self._lag_s is None else {"delayed": self._lag_s}
+        self._updates = UpdateAssembly(self._names, self._front_ends, self._config, online, delays_s, floors)
         self._flushed = self._has_filtered = False  # the latter while there may be filtered poses to return
         self._deferred = self._reported_missed = self.refused_fixes = 0  # the first: pushes since all work was done
         expected = [ExpectedDevice(device) if isinstance(device, str) else device for device in devices]
@@ -182,13 +188,7 @@ class Tracker:
         return found
 
     def flush(self) -> list[Update]:
-        """End the walk; return the remaining estimates.
-
-        Raises
-        ------
-        EstimationError
-            If the walk was ended before.
-        """
+        """End the walk; return the remaining estimates. Raises EstimationError if it was ended before."""
         self._refuse_flushed()
         found = self._work()
         for number, front_end in enumerate(self._front_ends):

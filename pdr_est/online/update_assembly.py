@@ -10,6 +10,7 @@ from pdr_est.config import Config
 from pdr_est.estimators.common.unknown_direction import tells_direction
 from pdr_est.evaluate.walk_findings import FindingsSoFar
 from pdr_est.online.device_front_end import DeviceFrontEnd
+from pdr_est.online.heights.floors_with_plans import FloorsWithPlans
 from pdr_est.online.heights.told_heights import ToldHeights
 from pdr_est.online.params import OnlineParams
 from pdr_est.online.person_estimates import DeviceCoverage, PersonEstimates
@@ -32,6 +33,8 @@ class UpdateAssembly:
         Waiting.
     delays_s
         Time by which poses of each kind come later than those of the filter.
+    floors
+        Floors with their plans, which get the heights.
     """
 
     def __init__(
@@ -41,6 +44,7 @@ class UpdateAssembly:
         config: Config,
         online: OnlineParams,
         delays_s: dict[Kind, float],
+        floors: FloorsWithPlans,
     ) -> None:
         start = config.start.pose()
         unknown = start.heading_rad is None and start.position_m is not None
@@ -49,7 +53,7 @@ class UpdateAssembly:
         self._names, self._front_ends, self._devices = names, front_ends, config.devices
         self._wait_s, self._delays_s = online.wait_s, delays_s
         self._persons: dict[Kind, PersonEstimates] = {kind: PersonEstimates(kind) for kind in delays_s}
-        self._heights = ToldHeights(config.height, online.horizon_s + max(delays_s.values()))
+        self._heights = ToldHeights(config.height, online.horizon_s + max(delays_s.values()), floors)
 
     @property
     def height(self) -> WalkerHeight | None:

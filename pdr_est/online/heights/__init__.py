@@ -2,4 +2,5 @@
 
 * `pressure_seconds`: samples of the air pressure and times of steps become seconds.
 * `told_heights`: heights of updates, which come again when they are revised.
+* `floors_with_plans`: the plan of the present floor, for the filter.
 """

@@ -7,6 +7,7 @@ from math import floor, inf
 from pdr_est.front_end.height import HeightParams
 from pdr_est.front_end.height.following import REVISED_S, HeightFollower
 from pdr_est.front_end.height.seconds import Second
+from pdr_est.online.heights.floors_with_plans import FloorsWithPlans
 from pdr_est.online.heights.pressure_seconds import PressureSeconds
 from pdr_est.online.update import Update
 from pdr_est.types.height import WalkerHeight
@@ -30,10 +31,12 @@ class ToldHeights:
         Rates of moves, storeys and noise.
     late_s
         Time by which the air pressure may come later than the poses, s.
+    floors
+        Floors with their plans, which get each second.
     """
 
-    def __init__(self, parameters: HeightParams, late_s: float) -> None:
-        self._parameters, self._late_s = parameters, late_s
+    def __init__(self, parameters: HeightParams, late_s: float, floors: FloorsWithPlans) -> None:
+        self._parameters, self._late_s, self._floors = parameters, late_s, floors
         self._seconds: dict[int, PressureSeconds] = {}  # by device
         self._followers: dict[int, HeightFollower] = {}
         self._told: dict[_Key, Update] = {}  # updates that may come again
@@ -100,6 +103,7 @@ class ToldHeights:
             follower.add_steps(number - _STEPS_LATE_S, stepped_before)
             follower.add(number, Second(height_m, None))
             if device == self._source:
+                self._floors.add(follower.latest)
                 self._revise_floors()
                 self._settle(float(number + 1 - REVISED_S))
 

@@ -111,6 +111,9 @@ class _Reader:
                 return value
             case "slice", [bounds]:
                 return slice(*self._values(bounds))
+            case "generator", [state]:
+                made, complete = np.random.Generator(np.random.PCG64(0)), self._value(state)
+                return self._later(made, self._restored, lambda one: setattr(one.bit_generator, "state", complete))
             case "tuple" | "frozenset", [values]:
                 return SEQUENCES[kind](self._values(values))
             case "named" | "enum" | "object" | "restored", [str() as name, *data]:

@@ -79,6 +79,8 @@ class _Writer:
             return ["outside", self._outside[id(value)]]
         if isinstance(value, np.generic | np.ndarray):
             return _array_row(value)
+        if isinstance(value, np.random.Generator) and isinstance(value.bit_generator, np.random.PCG64):
+            return ["generator", self._value(dict(value.bit_generator.state))]
         if isinstance(value, Enum):
             return ["enum", _class_name(type(value)), value.name]
         return self._collection_row(value) or _number_row(value) or self._object_row(value, type(value))
