@@ -10,10 +10,11 @@ from pathlib import Path
 import click
 
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.io.floor_plans.reading import read_floor_plan
+from pdr_est.frames import GeoOrigin
+from pdr_est.io.floor_plans.building import read_building_plan
 from pdr_est.io.side_tables.position_fixes import read_position_fixes, recorded_fixes, waypoint_fixes
 from pdr_est.io.writers.checksums import file_digests
-from pdr_est.types.floor_plan import FloorPlan
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 
@@ -65,45 +66,52 @@ class PlanChoice:
 
     Attributes
     ----------
-    path : Path or None
-        File or folder of the plan; None for none.
+    paths : tuple of Path
+        Files or folders of the plans; empty for none.
     floor : str
-        Name of the floor; empty where it is not given.
+        Name of the floor on which the walk begins; empty where it is not given.
     """
 
-    path: Path | None = None
+    paths: tuple[Path, ...] = ()
     floor: str = ""
 
     @classmethod
-    def of_options(cls, plan: Path | None, floor: str | None) -> "PlanChoice":
+    def of_options(cls, plans: tuple[Path, ...], floor: str | None) -> "PlanChoice":
         """Take the values of the options; raise UsageError for a floor without a plan."""
-        if floor is not None and plan is None:
+        if floor is not None and not plans:
             raise click.UsageError(f"--floor {floor}: is a floor of a plan: give --plan FILE, too")
-        return cls(plan, floor or "")
+        return cls(plans, floor or "")
 
-    def load(self, recording: Recording) -> FloorPlan | None:
-        """Read the plan in the map frame of a recording; None if none is chosen.
+    def load(self, origin: GeoOrigin | None) -> FloorPlan | BuildingPlan | None:
+        """Read the plans in a map frame; None if none is chosen.
 
         Raises
         ------
         FloorPlanError
-            For a plan that cannot be used, or a floor that it does not show.
+            For plans that cannot be used, or a floor that they do not show.
         """
-        return None if self.path is None else read_floor_plan(self.path, self.floor, recording.origin)
+        return read_building_plan(self.paths, self.floor, origin) if self.paths else None
+
+    @property
+    def arguments(self) -> list[str]:
+        """Options of a command that mean the same choice."""
+        given = [word for path in self.paths for word in ("--plan", str(path))]
+        return [*given, *(["--floor", self.floor] if self.floor else [])]
 
     def digests(self) -> dict[str, str]:
-        """Compute checksums of the files of the plan, by their paths."""
-        if self.path is None:
-            return {}
-        files = [self.path] if self.path.is_file() else sorted(self.path.glob("*.*json*"))
-        return {str(file): digest for file in files for digest in file_digests(file).values()}
+        """Compute checksums of the files of the plans, by their paths."""
+        found: dict[str, str] = {}
+        for path in self.paths:
+            files = [path] if path.is_file() else sorted((*path.glob("*.*json*"), *path.glob("*/*.*json*")))
+            found |= {str(file): digest for file in files for digest in file_digests(file).values()}
+        return found
 
 
 NO_FLOOR_PLAN = PlanChoice()
 """The options are not given."""
 
 
-def placed_by_plan(recording: Recording, plan: FloorPlan | None) -> Recording:
+def placed_by_plan(recording: Recording, plan: FloorPlan | BuildingPlan | None) -> Recording:
     """Put the map frame of a recording without a place on the Earth where its plan is."""
     if plan is None or plan.origin is None or recording.origin is not None:
         return recording

@@ -18,6 +18,7 @@ from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpd
 from pdr_est.online import Tracker, Update
 from pdr_est.online.recording_stream import expected_devices, stream_slices
 from pdr_est.preprocessing.quality.clock_requirements import explain_empty_grid
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import SensorBlock
@@ -26,7 +27,14 @@ from pdr_est.types.track_output.table import HEIGHT_COLUMNS
 _PHONE_OF_THAT_NAME = f"{PERSON} (phone)"
 
 
-def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, realtime: bool, stream: TextIO) -> None:
+def replay(
+    recorded: Recording,
+    fixes: Sequence[PositionFix],
+    config: Config,
+    realtime: bool,
+    stream: TextIO,
+    plan: FloorPlan | BuildingPlan | None = None,
+) -> None:
     """Replay a recording through the tracker and write its estimates.
 
     Parameters
@@ -41,6 +49,8 @@ def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, re
         Wait so that the replay is as fast as the recording was.
     stream : TextIO
         Output, which receives one line for each estimate.
+    plan : FloorPlan, BuildingPlan or None
+        Floor plan of the walk.
 
     Raises
     ------
@@ -48,7 +58,7 @@ def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, re
         If no device has samples that can be used.
     """
     devices = recorded.devices
-    tracker = Tracker(config, expected_devices(recorded, config))
+    tracker = Tracker(config, expected_devices(recorded, config), plan=plan)
     begun_s: float | None = None
     for moment in stream_slices(devices, fixes):
         if realtime:
@@ -62,7 +72,12 @@ def replay(recorded: Recording, fixes: Sequence[PositionFix], config: Config, re
 
 
 def follow_live(
-    lines: Iterable[str], config: Config, platform: Platform | None, with_fixes: bool, stream: TextIO
+    lines: Iterable[str],
+    config: Config,
+    platform: Platform | None,
+    with_fixes: bool,
+    stream: TextIO,
+    plan: FloorPlan | BuildingPlan | None = None,
 ) -> None:
     """Track the messages of Sensor Logger's HTTP push and write the estimates.
 
@@ -78,13 +93,15 @@ def follow_live(
         Use the positions that the phones send.
     stream : TextIO
         Output, which receives one line for each estimate.
+    plan : FloorPlan, BuildingPlan or None
+        Floor plan of the walk.
 
     Raises
     ------
     RecordingError
         If no line holds samples.
     """
-    reader, tracker, told = LiveReader(platform), Tracker(config), BoundedNotes()
+    reader, tracker, told = LiveReader(platform), Tracker(config, plan=plan), BoundedNotes()
     number = bad = 0
     last, heard = "", False
     gc.collect()

@@ -14,7 +14,7 @@ REPORT_FILE = "report.html"
 
 
 def smooth_walk_files(
-    recordings: Sequence[Path], fixes: str | None, config_file: Path, folder: Path
+    recordings: Sequence[Path], options: Sequence[str], config_file: Path, folder: Path
 ) -> frozenset[str]:
     """Run `pdr-est smooth` and return the names of the files that it wrote into a folder.
 
@@ -22,8 +22,8 @@ def smooth_walk_files(
     ----------
     recordings
         Recordings of the devices.
-    fixes
-        Value of its option --fixes; None without it.
+    options
+        Its options about fixes and plans.
     config_file
         Configuration.
     folder
@@ -35,7 +35,7 @@ def smooth_walk_files(
         If the walk cannot be smoothed; the message is that of the command.
     """
     call = [sys.executable, "-m", "pdr_est", "smooth", *map(str, recordings), "-o", str(folder), "--quiet"]
-    call += ["--config", str(config_file)] + ([] if fixes is None else ["--fixes", fixes])
+    call += ["--config", str(config_file), *options]
     done = subprocess.run(call, capture_output=True, text=True, check=False, env={**os.environ, "PYTHONUTF8": "1"})
     if done.returncode:
         last = (done.stderr.strip().splitlines() or ["it ended without a word"])[-1]

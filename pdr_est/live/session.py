@@ -19,6 +19,7 @@ from pdr_est.live.poses import PoseHistory, height_row
 from pdr_est.live.recording_files import LiveRecording
 from pdr_est.live.tracking import LiveSamples, TrackingThread
 from pdr_est.online import ExpectedDevice, Update
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import SensorBlock
 
@@ -47,6 +48,8 @@ class LiveSession:
         Devices that are known beforehand.
     epoch_s
         Unix time of time zero, s; None for now.
+    plan
+        Floor plan of the walk, or those of several floors; None without any.
 
     Attributes
     ----------
@@ -63,12 +66,14 @@ class LiveSession:
         limits: LiveLimits | None = None,
         expected: Sequence[ExpectedDevice] = (),
         epoch_s: float | None = None,
+        plan: FloorPlan | BuildingPlan | None = None,
     ) -> None:
         self.limits = limits or LiveLimits()
         self.recording = recording
         self.epoch_s = time.time() if epoch_s is None else epoch_s
         self._zero_s = time.monotonic() - (time.time() - self.epoch_s)
-        self._tracking = TrackingThread(config, expected, self._show, self.tell, self._end)
+        self.plan = plan
+        self._tracking = TrackingThread(config, expected, self._show, self.tell, self._end, plan)
         self._lock = threading.RLock()
         self._phones: dict[str, PhoneMonitor] = {}
         self._budgets: dict[str, SampleBudget] = {}
@@ -173,7 +178,7 @@ class LiveSession:
                 self.recording.add_message(text)
 
     def take_fix(self, x_m: float, y_m: float, sigma_m: float, time_s: float) -> None:
-        """Take the position that the walker states.
+        """Take the position that the walker states; raises RecordingError for values that are no position.
 
         Parameters
         ----------
@@ -181,11 +186,6 @@ class LiveSession:
             East and north with the standard deviation of each, m.
         time_s
             Time at which the walker was there, s.
-
-        Raises
-        ------
-        RecordingError
-            For values that are no position.
         """
         low, high = _FIX_SIGMA_RANGE_M
         if not (np.isfinite([x_m, y_m, time_s]).all() and low <= sigma_m <= high and max(abs(x_m), abs(y_m)) < 1e7):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pdr_est.config import Config
 from pdr_est.errors import PdrError
 from pdr_est.online import ExpectedDevice, Tracker, Update
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.height import WalkerHeight
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.sensors import SensorBlock
@@ -48,6 +49,8 @@ class TrackingThread:
         Called with what the tracker warns of.
     on_end
         Called when everything has been processed.
+    plan
+        Floor plan of the walk.
 
     Attributes
     ----------
@@ -62,8 +65,9 @@ class TrackingThread:
         on_updates: Callable[[Sequence[Update], float | None], None],
         on_note: Callable[[str], None],
         on_end: Callable[[], None],
+        plan: FloorPlan | BuildingPlan | None = None,
     ) -> None:
-        self._tracker = Tracker(config, list(expected))
+        self._tracker = Tracker(config, list(expected), plan=plan)
         self._queue: queue.Queue[LiveSamples | PositionFix | None] = queue.Queue()
         self._on_updates, self._on_note, self._on_end = on_updates, on_note, on_end
         self.height: WalkerHeight | None = None

@@ -175,6 +175,11 @@ class BuildingPlan:
         return None if self.start is None else self.plan_of(self.start)
 
     @property
+    def origin(self) -> GeoOrigin | None:
+        """Place of the map frame on the Earth; None for plans in local metres."""
+        return self.plans[0].origin
+
+    @property
     def floor_names(self) -> str:
         """Names of the floors in words, the lowest one first."""
         return ", ".join(plan.floor for plan in self.plans)
@@ -182,13 +187,12 @@ class BuildingPlan:
     @cached_property
     def all_floors(self) -> FloorPlan:
         """Areas and walls of all floors as one plan, for what they have in common, such as their directions."""
-        first = self.plans[0]
         return FloorPlan(
             self.name,
             tuple(area for plan in self.plans for area in plan.areas),
             np.concatenate([np.reshape(plan.walls_m, (-1, 2, 2)) for plan in self.plans]),
             max(plan.sigma_m for plan in self.plans),
-            origin=first.origin,
+            origin=self.origin,
         )
 
 

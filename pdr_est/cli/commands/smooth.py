@@ -15,6 +15,7 @@ from pdr_est.cli.options import (
     jobs_option,
     recording_options,
 )
+from pdr_est.cli.plan_options import plan_options
 from pdr_est.module_loading import loading_modules
 
 
@@ -22,13 +23,7 @@ from pdr_est.module_loading import loading_modules
 @click.argument("recordings", type=PATH, nargs=-1, required=True, metavar="RECORDING…")
 @click.option("-o", "--output", type=OUTPUT, required=True, metavar="OUT", help="Folder for the results.")
 @fixes_option
-@click.option(
-    "--plan",
-    type=PATH,
-    metavar="FILE",
-    help="Floor plan: GeoJSON in degrees or local metres, or a floor of the Indoor Location Competition 2.0.",
-)
-@click.option("--floor", metavar="NAME", help="Floor of a plan that shows several.")
+@plan_options
 @click.option(
     "--truth",
     type=PATH,

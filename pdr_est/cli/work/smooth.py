@@ -36,7 +36,7 @@ def smooth_walks(
     recordings: tuple[Path, ...],
     output: Path,
     fixes: str | None,
-    plan: Path | None,
+    plans: tuple[Path, ...],
     floor: str | None,
     truth: Path | None,
     begin: Moment | None,
@@ -69,7 +69,7 @@ def smooth_walks(
     many = each or jobs > 1 or any(len(group) > 1 for group in found) or are_separate_walks(paths, mapping, devices)
     with_report = not many if report is None else report
     below = None if background is None else read_background(background)
-    chosen = PlanChoice.of_options(plan, floor)
+    chosen = PlanChoice.of_options(plans, floor)
     request = SmoothRequest(
         config, fixes, part, messages, own, overwrite, inputs, with_report, truth, formats, below, chosen
     )

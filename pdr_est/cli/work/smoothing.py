@@ -166,7 +166,7 @@ def _smooth_into(
     part, own, config = request.part, request.own, request.config
     surveyed = None if request.truth is None else read_trajectory(request.truth)  # before the long work
     whole = apply_clock_messages(part.read(paths), request.messages)
-    plan = request.plan.load(whole)
+    plan = request.plan.load(whole.origin)
     whole = placed_by_plan(whole, plan)
     known = load_fixes(request.fixes, whole, paths[0])
     prior = own.prior_of(whole, known)

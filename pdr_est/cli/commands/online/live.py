@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from pdr_est.cli.options import FIXES, FIXES_METAVAR, OUTPUT, PATH, config_option, estimation_options
+from pdr_est.cli.plan_options import plan_options
 from pdr_est.module_loading import loading_modules
 
 
@@ -55,6 +56,7 @@ from pdr_est.module_loading import loading_modules
     metavar=FIXES_METAVAR,
     help="Known positions; of phones that push only `recording`, the positions that they send.",
 )
+@plan_options
 @config_option
 @estimation_options
 def live_command(**options: Any) -> None:

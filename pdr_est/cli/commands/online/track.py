@@ -13,6 +13,7 @@ from pdr_est.cli.options import (
     formats_option,
     recording_options,
 )
+from pdr_est.cli.plan_options import plan_options
 from pdr_est.module_loading import loading_modules
 
 
@@ -35,6 +36,7 @@ from pdr_est.module_loading import loading_modules
 )
 @fixes_option
 @recording_options
+@plan_options
 @config_option
 @estimation_options
 def track_command(**options: Any) -> None:
@@ -42,7 +44,7 @@ def track_command(**options: Any) -> None:
 
     Each RECORDING holds the phones of one walk, all on one clock; several phones also give estimates of the person,
     as device `fused`. With - the messages that Sensor Logger pushes are read from standard input, one a line. The
-    filter is ekf; --estimator fixed-lag also prints delayed estimates.
+    filter is ekf; --estimator fixed-lag also prints delayed estimates, and --estimator particle keeps to a --plan.
     """
     with loading_modules():
         from pdr_est.cli.work.online.track import track_walk

@@ -7,13 +7,14 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from pdr_est.cli.fix_options import RECORDED, load_fixes
+from pdr_est.cli.fix_options import RECORDED, PlanChoice, load_fixes
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.config import Config
@@ -25,6 +26,7 @@ from pdr_est.live.recording_files import LiveRecording
 from pdr_est.live.session import LiveSession
 from pdr_est.online.recording_stream import expected_devices
 from pdr_est.output.atomic_output import write_text
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 
 if TYPE_CHECKING:
     from socket import socket
@@ -39,13 +41,14 @@ _REPLAY_SAMPLES_PER_S = 1e6
 class _Walk:
     """Walk that is shown, with what is needed to feed it and to smooth it.
 
-    `inputs` and `fixes` give the recordings and the option --fixes of `pdr-est smooth`.
+    `inputs` and `fixes` give the recordings and the option --fixes of `pdr-est smooth`, `chosen` its plans.
     """
 
     session: LiveSession
     feed: Callable[[], None] | None
     inputs: Callable[[], tuple[Path, ...]]
     fixes: Callable[[], str | None]
+    chosen: PlanChoice
 
 
 def show_live(
@@ -57,6 +60,8 @@ def show_live(
     recordings: tuple[Path, ...],
     speed: float,
     fixes: str | None,
+    plans: tuple[Path, ...],
+    floor: str | None,
     **settings: Any,
 ) -> None:
     """Serve the page of a walk until somebody ends it."""
@@ -71,24 +76,34 @@ def show_live(
 
     config = resolve_config(**settings)
     folder = Path(f"live-{datetime.now():%Y%m%d-%H%M%S}") if output is None else output
-    walk = _replayed(recordings, fixes, config, speed) if recordings else None
+    chosen = PlanChoice.of_options(plans, floor)
+    walk = _replayed(recordings, fixes, config, speed, chosen) if recordings else None
     for address in phyphox_addresses:
         base_address(address)
     with ExitStack() as opened:  # before the folder: a port that is taken leaves none behind
         sockets = _listen(host, port, walk is None, opened)
+        plan = chosen.load(None) if walk is None else None
         recording = LiveRecording(folder)
         write_text(folder / "settings.yaml", config_to_yaml(config))
-        walk = _recorded(recording, config) if walk is None else walk
+        walk = _recorded(recording, config, chosen, plan) if walk is None else walk
         asyncio.run(_serve(walk, folder, host, sockets, phyphox_addresses, platform, fixes is not None))
 
 
-def _recorded(recording: LiveRecording, config: Config) -> _Walk:
+def _recorded(
+    recording: LiveRecording, config: Config, chosen: PlanChoice, plan: FloorPlan | BuildingPlan | None
+) -> _Walk:
     """Make a walk of phones that record now."""
-    session = LiveSession(config, recording)
-    return _Walk(session, None, lambda: recording.tables, lambda: str(recording.fixes) if recording.fixes else None)
+    session = LiveSession(config, recording, plan=plan)
+
+    def fixes() -> str | None:
+        return str(recording.fixes) if recording.fixes else None
+
+    return _Walk(session, None, lambda: recording.tables, fixes, chosen)
 
 
-def _replayed(recordings: tuple[Path, ...], fixes: str | None, config: Config, speed: float) -> _Walk:
+def _replayed(
+    recordings: tuple[Path, ...], fixes: str | None, config: Config, speed: float, chosen: PlanChoice
+) -> _Walk:
     """Make a walk of a recording; positions that somebody states on the page are not used at the end."""
     from pdr_est.live.replaying import replay_into
 
@@ -96,8 +111,10 @@ def _replayed(recordings: tuple[Path, ...], fixes: str | None, config: Config, s
     recorded = part.join(part.read_files(recordings), recordings)
     known = load_fixes(fixes, recorded, recordings[0])
     limits = replace(LiveLimits(), samples_per_s=_REPLAY_SAMPLES_PER_S, phones=max(len(recorded.devices), 1))
-    session = LiveSession(config, None, limits, expected_devices(recorded, config))
-    return _Walk(session, lambda: replay_into(session, recorded, known, speed), lambda: recordings, lambda: fixes)
+    plan = chosen.load(recorded.origin)
+    session = LiveSession(config, None, limits, expected_devices(recorded, config), plan=plan)
+    feed = partial(replay_into, session, recorded, known, speed)
+    return _Walk(session, feed, lambda: recordings, lambda: fixes, chosen)
 
 
 async def _serve(
@@ -183,9 +200,10 @@ async def _finish(walk: _Walk, application: Any, folder: Path) -> None:
         session.report_ready(None)
         click.echo(f"the walk has ended: nothing was received, {folder} holds only the settings", err=True)
         return
-    command = " ".join(["pdr-est smooth", *map(str, inputs), *(["--fixes", fixes] if fixes else [])])
+    options = [*(["--fixes", fixes] if fixes else []), *walk.chosen.arguments]
+    command = " ".join(["pdr-est smooth", *map(str, inputs), *options])
     try:
-        names = await asyncio.to_thread(smooth_walk_files, inputs, fixes, folder / "settings.yaml", result)
+        names = await asyncio.to_thread(smooth_walk_files, inputs, options, folder / "settings.yaml", result)
     except PdrError as error:
         session.tell(str(error))
         session.report_ready(None)

@@ -10,7 +10,7 @@ import click
 
 from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import RECORDED, load_fixes
+from pdr_est.cli.fix_options import RECORDED, PlanChoice, load_fixes, placed_by_plan
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.tracking_streams import follow_live, replay
@@ -40,6 +40,8 @@ def track_walk(
     realtime: bool,
     platform: Platform | None,
     fixes: str | None,
+    plans: tuple[Path, ...],
+    floor: str | None,
     begin: Moment | None,
     end: Moment | None,
     devices: tuple[str, ...],
@@ -48,6 +50,7 @@ def track_walk(
 ) -> None:
     """Print the estimates of the online filter for a replayed recording or for live messages."""
     config, part = resolve_config(**settings), RecordingPart(begin, end, devices, mapping)
+    chosen = PlanChoice.of_options(plans, floor)
     if settings["estimator"] is not None and not SPECS[settings["estimator"]].online:
         online = " or ".join(name for name, spec in SPECS.items() if spec.online)
         raise click.UsageError(f"{settings['estimator']} needs the whole walk: use --estimator {online}")
@@ -65,14 +68,15 @@ def track_walk(
                 "other than recording"
             )
         with _output_stream(output, overwrite) as stream:
-            follow_live(bounded_lines(sys.stdin, LONGEST_LINE), config, platform, fixes is not None, stream)
+            lines = bounded_lines(sys.stdin, LONGEST_LINE)
+            follow_live(lines, config, platform, fixes is not None, stream, chosen.load(None))
         return
     if platform is not None:
         raise click.UsageError(
             "--platform is for phones that send to -; a recording knows its platform: leave the option out"
         )
     with _output_stream(output, overwrite) as stream:  # before anything is read: it may be an input
-        recorded, known = _track_recordings(recordings, part, config, fixes, realtime, stream, files)
+        recorded, known = _track_recordings(recordings, part, config, fixes, chosen, realtime, stream, files)
     if files is not None:
         files.write(recorded, known, config)
 
@@ -95,6 +99,7 @@ def _track_recordings(
     part: RecordingPart,
     config: Config,
     fixes: str | None,
+    chosen: PlanChoice,
     realtime: bool,
     stream: TextIO,
     files: OnlineTrackFiles | None,
@@ -102,6 +107,8 @@ def _track_recordings(
     """Replay recordings; return what was tracked, and its fixes."""
     read_in = part.read_files(recordings)
     whole = part.join(read_in, recordings)
+    plan = chosen.load(whole.origin)
+    whole = placed_by_plan(whole, plan)
     with prefix_errors(", ".join(map(str, recordings))):
         recorded = part.cut(whole)
         if files is not None:
@@ -113,7 +120,7 @@ def _track_recordings(
     known = load_fixes(fixes, whole, recordings[0])
     known = known if part.is_all else fixes_within(known, recorded)
     with prefix_errors(", ".join(map(str, recordings))):
-        replay(recorded, known, config, realtime, stream)
+        replay(recorded, known, config, realtime, stream, plan)
     for device in recorded.devices:
         for words in dict.fromkeys((*device.warnings, *quality_warnings(device))):
             click.echo(f"warning: {device.name}: {words}", err=True)
