@@ -12,7 +12,7 @@ from pdr_est.pipeline.estimation import chosen_estimator, run_estimator, with_fi
 from pdr_est.pipeline.front_end_chain import analyse_device, north_of
 from pdr_est.pipeline.inputs import refuse_unusable_inputs, refuse_wrong_types
 from pdr_est.pipeline.map_directions import along_map_directions, needs_whole_walk, with_plan_directions
-from pdr_est.pipeline.measurements import measurements_of, refuse_without_heading, tethers_of, without_partial_north
+from pdr_est.pipeline.measurements import measurements_of_all, refuse_without_heading, tethers_of
 from pdr_est.pipeline.other_devices import with_turns_of_others
 from pdr_est.pipeline.present_floors import plans_of_walk
 from pdr_est.pipeline.warnings import doubts, mismatches, warnings_of
@@ -51,17 +51,13 @@ def smooth_recording(
     plans = plans_of_walk(plan, devices)
     track = estimate_tracks(devices, config, fixes, parts, plan)
     estimated = time.process_time()
+    doubtful = mismatches(devices, config, estimator.spec, fixes, plan)
     return SmoothedWalk(
         track=track,
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=(
-            *warnings_of(recording, devices),
-            *mismatches(devices, config, estimator.spec, fixes, plan),
-            *plans.notes,
-            *doubts(track.findings),
-        ),
+        warnings=(*warnings_of(recording, devices), *doubtful, *plans.notes, *doubts(track.findings)),
         fixes_used=estimator.spec.uses_fixes,
         plan=plans.main_plan([step.time_s for step in devices[0].steps]),
         floors=plans.floors if isinstance(plan, BuildingPlan) else (),
@@ -100,16 +96,13 @@ def estimate_tracks(
 
     Raises
     ------
-    FloorPlanError
-        For plans of several floors where the floor at the start is not known.
-    EstimationError
-        For a device without gyroscope, and for measurements that give no track.
+    FloorPlanError, EstimationError
+        For plans without the floor at the start, a device without gyroscope, and measurements that give no track.
     """
     refuse_without_heading(walks)
     estimator = chosen_estimator(config, parts, plan is not None)
     plans = plans_of_walk(plan, walks).measurements
-    given = [measurements_of(walk, config, fixes, estimator.spec, plans) for walk in walks]
-    devices = with_turns_of_others(without_partial_north(given))
+    devices = with_turns_of_others(measurements_of_all(walks, config, fixes, estimator.spec, plans))
     tethers = tethers_of(walks, config, estimator.spec)
     tied = along_map_directions(devices, walks, tethers, estimator, config)
     track = run_estimator(tied, tethers, estimator, config)

@@ -30,6 +30,20 @@ def refuse_without_heading(walks: Sequence[DeviceWalk]) -> None:
             )
 
 
+def measurements_of_all(
+    walks: Sequence[DeviceWalk],
+    config: Config,
+    fixes: Sequence[PositionFix],
+    spec: EstimatorSpec,
+    plans: Sequence[FloorPlan | PresentFloor] = (),
+) -> list[DeviceMeasurements]:
+    """Collect the measurements of all devices of a walk.
+
+    Headings in the map are left out where only some of the devices have any.
+    """
+    return without_partial_north([measurements_of(walk, config, fixes, spec, plans) for walk in walks])
+
+
 def measurements_of(
     walk: DeviceWalk,
     config: Config,

@@ -77,7 +77,7 @@ class PlansOfWalk:
 
     @property
     def measurements(self) -> tuple[FloorPlan | PresentFloor, ...]:
-        """What an estimator that uses plans is given: the plan alone if there is only one."""
+        """Measurements for an estimator that uses plans: the plan alone if there is only one."""
         if len(self.floors) == 1 and self.floors[0].plan is not None:
             return (self.floors[0].plan,)
         return self.floors

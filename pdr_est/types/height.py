@@ -97,7 +97,7 @@ class HeightProfile:
 
     @property
     def moving(self) -> NDArray[np.bool_]:
-        """Whether the walker changes height in each second (n,)."""
+        """Seconds in which the walker changes height (n,)."""
         found = np.zeros(len(self.time_s), dtype=np.bool_)
         for move in self.moves:
             found |= (self.time_s >= move.begin_s) & (self.time_s < move.end_s)

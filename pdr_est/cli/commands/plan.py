@@ -1,11 +1,29 @@
-"""`pdr-est plan`: a floor plan with its scale, and a plan made of a picture."""
+"""`pdr-est plan`: a floor plan with its scale, and one made of a picture; options of other commands about plans."""
 
+from collections.abc import Callable
 from typing import Any
 
 import click
 
 from pdr_est.cli.options import OUTPUT, PATH
 from pdr_est.module_loading import loading_modules
+
+
+def plan_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options --plan FILE, which may be repeated, and --floor NAME to a command."""
+    plan = click.option(
+        "--plan",
+        "plans",
+        type=PATH,
+        multiple=True,
+        metavar="FILE",
+        help="Floor plan: GeoJSON in degrees or local metres, or a floor of the Indoor Location Competition 2.0. Of "
+        "several floors one file each, or one that shows all.",
+    )
+    floor = click.option(
+        "--floor", metavar="NAME", help="Floor on which the walk begins; needed where the plans show several."
+    )
+    return plan(floor(command))
 
 
 @click.command("plan")

@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from pdr_est.cli.commands.plan import plan_options
 from pdr_est.cli.options import (
     OUTPUT,
     PATH,
@@ -15,7 +16,6 @@ from pdr_est.cli.options import (
     jobs_option,
     recording_options,
 )
-from pdr_est.cli.plan_options import plan_options
 from pdr_est.module_loading import loading_modules
 
 

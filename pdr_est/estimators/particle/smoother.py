@@ -79,11 +79,14 @@ def probability_unrelated(filtered: ParticleWalk, parameters: ParticleParams) ->
 
 def unrelated_finding(floors: Sequence[PresentFloor], probability: float) -> Finding:
     """Report plans that do not fit."""
-    names = ", ".join(dict.fromkeys(repr(one.plan.name) for one in floors if one.plan is not None))
+    names = list(dict.fromkeys(repr(one.plan.name) for one in floors if one.plan is not None))
+    subject, it = (
+        (f"the plan {names[0]} does", "it") if len(names) == 1 else (f"the plans {', '.join(names)} do", "them")
+    )
     return Finding(
         FindingKind.PLAN,
-        f"the plan {names} does not fit this walk (probability {probability:.0%}), and the track is made "
-        "without it: check the floor, the scale and the frame of the plan, and the start",
+        f"{subject} not fit this walk (probability {probability:.0%}), and the track is made "
+        f"without {it}: check the floor, the scale and the frame of the plan, and the start",
         value=probability,
     )
 

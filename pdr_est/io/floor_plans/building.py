@@ -8,7 +8,7 @@ from pdr_est.errors import FloorPlanError
 from pdr_est.frames import GeoOrigin
 from pdr_est.io.floor_plans.competition_map import MAP
 from pdr_est.io.floor_plans.floor_numbers import floor_numbers_of
-from pdr_est.io.floor_plans.reading import read_floor_plans
+from pdr_est.io.floor_plans.reading import read_floor_plan, read_floor_plans
 from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 
 
@@ -54,9 +54,7 @@ def read_building_plan(
     if not plans:
         raise FloorPlanError("no plan is given: give the file of at least one floor")
     if len(plans) == 1:
-        if start_floor and start_floor not in (plans[0].floor, plans[0].name):
-            raise _unknown_floor(start_floor, plans[0].name, plans)
-        return plans[0]
+        return read_floor_plan(files[0], start_floor, origin, sigma_m) if start_floor else plans[0]
     if len(files) > 1:
         plans = [plan if plan.floor else replace(plan, floor=plan.name) for plan in plans]
     place = ", ".join(map(str, files))
@@ -93,11 +91,7 @@ def _building(plans: Sequence[FloorPlan], place: str, start_floor: str) -> Build
     order = sorted(range(len(plans)), key=numbers.__getitem__)
     start = next((number for number, name in zip(numbers, names, strict=True) if name == start_floor), None)
     if start_floor and start is None:
-        raise _unknown_floor(start_floor, place, plans)
+        raise FloorPlanError(
+            f"{place}: has no floor {start_floor!r}, only {', '.join(names)}: choose one of these, or another file"
+        )
     return BuildingPlan(place, tuple(plans[k] for k in order), tuple(numbers[k] for k in order), start, notes)
-
-
-def _unknown_floor(floor: str, place: str, plans: Sequence[FloorPlan]) -> FloorPlanError:
-    names = ", ".join(plan.floor for plan in plans if plan.floor)
-    remedy = "leave out the floor" if not names else "choose one of these, or another file"
-    return FloorPlanError(f"{place}: has no floor {floor!r}{', only ' + names if names else ''}: {remedy}")

@@ -4,8 +4,8 @@ from typing import Any
 
 import click
 
+from pdr_est.cli.commands.plan import plan_options
 from pdr_est.cli.options import FIXES, FIXES_METAVAR, OUTPUT, PATH, config_option, estimation_options
-from pdr_est.cli.plan_options import plan_options
 from pdr_est.module_loading import loading_modules
 
 

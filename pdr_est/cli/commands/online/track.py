@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from pdr_est.cli.commands.plan import plan_options
 from pdr_est.cli.options import (
     OUTPUT,
     PATH,
@@ -13,7 +14,6 @@ from pdr_est.cli.options import (
     formats_option,
     recording_options,
 )
-from pdr_est.cli.plan_options import plan_options
 from pdr_est.module_loading import loading_modules
 
 
