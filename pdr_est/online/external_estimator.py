@@ -194,7 +194,7 @@ def estimator_of_walk(
 
     Raises ConfigError for one that does not work online, or not with the floor plan that is given.
     """
-    estimator = chosen_estimator(config, parts)
+    estimator = chosen_estimator(config, parts, floors.plan is not None)
     if floors.plan is not None and not estimator.spec.uses_plan:
         raise ConfigError(
             f"the estimator {estimator.spec.name} makes no use of the floor plan {floors.plan.name}: track with "

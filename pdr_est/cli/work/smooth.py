@@ -85,7 +85,7 @@ def smooth_walks(
         click.echo(f"{summary['distance_m']:.1f} m in {summary['steps']} steps -> {shown}")
         if config.start.pose().position_m is not None and summary["frame"] != "map":
             click.echo(f"frame: {summary['frame_meaning']}; give --heading, a second position, or fixes")
-        if chosen.path is not None and config.estimator.name == AUTO:
+        if chosen.paths and config.estimator.name == AUTO:
             click.echo(
                 f"estimator: {summary['estimator']}, {summary['estimator_meaning']}; --estimator chooses another"
             )

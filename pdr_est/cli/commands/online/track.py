@@ -44,7 +44,7 @@ def track_command(**options: Any) -> None:
 
     Each RECORDING holds the phones of one walk, all on one clock; several phones also give estimates of the person,
     as device `fused`. With - the messages that Sensor Logger pushes are read from standard input, one a line. The
-    filter is ekf; --estimator fixed-lag also prints delayed estimates, and --estimator particle keeps to a --plan.
+    filter is ekf, or particle with --plan; --estimator fixed-lag also prints delayed estimates.
     """
     with loading_modules():
         from pdr_est.cli.work.online.track import track_walk

@@ -51,10 +51,10 @@ def track_walk(
     """Print the estimates of the online filter for a replayed recording or for live messages."""
     config, part = resolve_config(**settings), RecordingPart(begin, end, devices, mapping)
     chosen = PlanChoice.of_options(plans, floor)
-    if settings["estimator"] is not None and not SPECS[settings["estimator"]].online:
+    if settings["estimator"] in SPECS and not SPECS[settings["estimator"]].online:
         online = " or ".join(name for name, spec in SPECS.items() if spec.online)
         raise click.UsageError(f"{settings['estimator']} needs the whole walk: use --estimator {online}")
-    if settings["start"] is not None and config.start.pose().heading_rad is None:
+    if settings["start"] is not None and config.start.pose().heading_rad is None and not plans:
         click.echo(
             "note: --start without --heading: the track begins at the given position; unless the phone knows north, "
             "its first step leads along x, so that it is turned arbitrarily",
