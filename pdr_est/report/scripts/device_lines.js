@@ -10,7 +10,8 @@ const MOST_ELLIPSES = 40;
  * @param device {name, colour, modes}: colour of the line, or null for a line in the colours of the modes; modes is
  *   an array of {name, colour, dashes} by the number of the mode
  * @param panes {bands, lines, ellipses}: options of Leaflet (pane, renderer) for each kind
- * @returns poses, layers {lines, ellipses} and redraw(map), which draws what was appended
+ * @returns poses, layers {lines, ellipses}, redraw(map), which draws what was appended, setShown(test, map), which
+ *   draws the poses of some times, those of others palely, and isShown(index)
  */
 function createDeviceLines(device, panes) {
   const poses = createPoses();
@@ -19,6 +20,10 @@ function createDeviceLines(device, panes) {
   const byMode = new Map();
   const points = [];
   const whole = device.colour === null ? null : L.polyline([], { ...panes.lines, weight: 2.5 }).addTo(lines);
+  const rest = L.polyline([], { ...panes.bands, weight: 1.5, opacity: 0.45, dashArray: '2 5' }).addTo(lines);
+  const restLeg = { line: rest, parts: [], last: -1 };
+  const wholeLeg = { line: whole, parts: [], last: -1 };
+  let isTimeShown = null;
   const end = L.circleMarker([0, 0], { ...panes.lines, radius: 4, weight: 1.5, fillOpacity: 1 });
   const start = L.circleMarker([0, 0], { ...panes.lines, radius: 6.5, weight: 2.5, fillOpacity: 1 });
   const regions = L.polygon([], { ...panes.ellipses, weight: 1, fillRule: 'nonzero' }).addTo(ellipses);
@@ -36,11 +41,32 @@ function createDeviceLines(device, panes) {
     for (let i = points.length; i < poses.length; i += 1) {
       points.push(L.latLng(poses.y_m[i], poses.x_m[i]));
       if (i === 0) continue;
-      const leg = legOf(poses.mode[i]);
-      if (leg.last !== i - 1) leg.parts.push([points[i - 1]]);
-      leg.parts[leg.parts.length - 1].push(points[i]);
-      leg.last = i;
+      const drawn = isShown(i) && isShown(i - 1);
+      extend(drawn ? legOf(poses.mode[i]) : restLeg, i);
+      if (drawn) extend(wholeLeg, i);
     }
+  }
+
+  function extend(leg, i) {
+    if (leg.last !== i - 1) leg.parts.push([points[i - 1]]);
+    leg.parts[leg.parts.length - 1].push(points[i]);
+    leg.last = i;
+  }
+
+  function isShown(index) {
+    return !isTimeShown || isTimeShown(poses.time_s[index]);
+  }
+
+  /** Draw only the poses of the times that pass a test, and the way of the others as a pale line; null for all. */
+  function setShown(test, map) {
+    isTimeShown = test;
+    points.length = 0;
+    for (const { line } of byMode.values()) line.remove();
+    byMode.clear();
+    for (const leg of [restLeg, wholeLeg]) { leg.parts = []; leg.last = -1; }
+    start.remove();
+    end.remove();
+    redraw(map);
   }
 
   function redraw(map) {
@@ -51,9 +77,10 @@ function createDeviceLines(device, panes) {
       if (leg.last >= before - 1) leg.line.setLatLngs(leg.parts);
       styleLeg(mode, leg.line);
     }
-    if (whole) whole.setLatLngs(points);
-    start.setLatLng(points[0]).addTo(lines);
-    if (points.length > 1) end.setLatLng(points[points.length - 1]).addTo(lines);
+    if (whole) whole.setLatLngs(wholeLeg.parts);
+    rest.setLatLngs(restLeg.parts);
+    if (isShown(0)) start.setLatLng(points[0]).addTo(lines);
+    if (points.length > 1 && isShown(points.length - 1)) end.setLatLng(points[points.length - 1]).addTo(lines);
     restyle();
     redrawEllipses(map);
   }
@@ -69,6 +96,7 @@ function createDeviceLines(device, panes) {
     const own = cssColour(device.colour || '--ink');
     for (const [mode, leg] of byMode) styleLeg(mode, leg.line);
     if (whole) whole.setStyle({ color: own });
+    rest.setStyle({ color: cssColour('--muted') });
     start.setStyle({ color: own, fillColor: cssColour('--paper') });
     end.setStyle({ color: cssColour('--paper'), fillColor: own });
     const pale = cssColour(device.colour || '--muted');
@@ -85,7 +113,7 @@ function createDeviceLines(device, panes) {
     let needed = 0;
     for (let i = points.length - 1; i >= 0 && outlines.length < MOST_ELLIPSES; i -= 1) {
       if (i + 1 < points.length) way += Math.hypot(poses.x_m[i + 1] - poses.x_m[i], poses.y_m[i + 1] - poses.y_m[i]);
-      if (way < needed || !sight.contains(points[i])) continue;
+      if (way < needed || !sight.contains(points[i]) || !isShown(i)) continue;
       const shapes = poses.ellipsesOf(i).map(outlineOf).filter((outline) => outline.length);
       if (!shapes.length) continue;
       outlines.push(...shapes.map((outline) => [outline]));
@@ -95,7 +123,7 @@ function createDeviceLines(device, panes) {
     regions.setLatLngs(outlines);
   }
 
-  return { name: device.name, poses, layers: { lines, ellipses }, redraw, restyle, redrawEllipses };
+  return { name: device.name, poses, layers: { lines, ellipses }, redraw, restyle, redrawEllipses, setShown, isShown };
 }
 
 /** Colours of the present theme by the names of CSS variables: looking one up makes the browser compute styles. */

@@ -31,7 +31,8 @@ function addPlanLines(map, group, points) {
   points.x_m.forEach((x, i) => {
     if (Number.isFinite(x)) lines[lines.length - 1].push([points.y_m[i], x]); else lines.push([]);
   });
-  Object.assign(map.createPane('plan').style, { zIndex: 405, pointerEvents: 'none' });  // a canvas would keep events
+  const below = map.getPane('plan') || map.createPane('plan');
+  Object.assign(below.style, { zIndex: 405, pointerEvents: 'none' });  // a canvas would keep events
   const pane = { pane: 'plan', renderer: L.canvas({ pane: 'plan', padding: 0.4 }), interactive: false };
   const drawn = L.polyline(lines.filter((line) => line.length), { ...pane, weight: 1 }).addTo(group);
   const colour = () => drawn.setStyle({ color: cssColour('--muted') });

@@ -16,7 +16,8 @@ const NEAR_FIX_S = 2;
  * @param element  where the map is drawn; its size is set by CSS
  * @param options  north: true if up is north; modes: [{name, colour, dashes}] by the number of a mode;
  *   onPick(time_s, device, index, pressed): called when the pointer is near a pose (pressed: clicked or tapped)
- * @returns setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet
+ * @returns setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, showTimes, fit,
+ *   leaflet
  */
 function createTrackMap(element, options = {}) {
   const map = L.map(element, {
@@ -148,6 +149,12 @@ function createTrackMap(element, options = {}) {
     drawCursor();
   }
 
+  /** Draw the poses of the times that pass a test, and of the others only a pale line; null draws all of them. */
+  function showTimes(test) {
+    devices.forEach((one) => one.setShown(test, map));
+    drawCursor();
+  }
+
   function applyVisibility(one) {
     const shown = !hidden.has(one.name);
     if (shown) one.layers.lines.addTo(map); else one.layers.lines.remove();
@@ -169,9 +176,11 @@ function createTrackMap(element, options = {}) {
     if (!options.onPick || map.dragging.moving()) return;
     let best = null;
     let least = NEAR_PX / map.options.crs.scale(map.getZoom());
-    for (const { name, poses } of devices) {
+    for (const one of devices) {
+      const { name, poses } = one;
       if (hidden.has(name)) continue;
       for (let i = 0; i < poses.length; i += 1) {
+        if (!one.isShown(i)) continue;
         const away = Math.hypot(poses.x_m[i] - event.latlng.lng, poses.y_m[i] - event.latlng.lat);
         if (away < least) { least = away; best = [poses.time_s[i], name, i, pressed]; }
       }
@@ -190,7 +199,8 @@ function createTrackMap(element, options = {}) {
   }
 
   return {
-    setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, fit, leaflet: map,
+    setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, showTimes, fit,
+    leaflet: map,
   };
 }
 

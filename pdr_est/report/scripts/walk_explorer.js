@@ -15,6 +15,7 @@ function exploreWalk() {
   document.documentElement.classList.add('scripted');
   const map = makeWalkMap(data, tables, fixes, cursor);
   fillToggles(byId('map-toggles'), data, map);
+  if (data.floors.length) addFloorChoice(byId('map-toggles'), data.floors, map, cursor);
   fillPlaybackBar(byId('playback'), cursor);
   fillWindowBar(byId('time-window'), cursor);
   const devices = tables.map((one) => ({ name: one.name, poses: posesOf(one) }));
@@ -58,7 +59,7 @@ function makeWalkMap(data, tables, fixes, cursor) {
   map.fit();
   const background = data.background ? addMapBackground(map.leaflet, data.background) : null;
   cursor.onTime(() => map.setCursor(cursor.time_s));
-  return { show: map.show, leaflet: map.leaflet, background };
+  return { show: map.show, showTimes: map.showTimes, leaflet: map.leaflet, background };
 }
 
 /** Turn the columns of known positions into one object for each. */

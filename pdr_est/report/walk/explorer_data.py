@@ -73,6 +73,7 @@ def explorer_data(
             for name, track in extras.variants.items()
         ],
         "background": extras.background,
+        "floors": list(extras.floors),
     }
 
 

@@ -17,12 +17,15 @@ class MapExtras:
         Other tracks of the walk, in the same frame, by their names.
     background
         Description of what lies below the track, by `Background.placed`; None without any.
+    floors
+        Floors of a walk over several: of each its name, its plan like `background`, and when the walker was there.
     image_hosts
         Origins of the background's pictures, if it is loaded from a server.
     """
 
     variants: Mapping[str, Track] = field(default_factory=dict)
     background: dict[str, Any] | None = None
+    floors: tuple[dict[str, Any], ...] = ()
     image_hosts: tuple[str, ...] = ()
 
 

@@ -5,6 +5,7 @@ Legends are HTML beside the plot: they never cover it, and names of devices stay
 
 from dataclasses import dataclass
 
+import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
@@ -21,6 +22,7 @@ from pdr_est.report.plots.mode_style import mode_legend, mode_runs
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import plot_track
 from pdr_est.report.plots.track_line import mode_polylines
+from pdr_est.report.walk.visited_floors import visited_floors, within_spans
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.height import HeightProfile
 from pdr_est.types.recording import Recording
@@ -56,7 +58,7 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool, no
     """Make the map; a track that is not in the map frame has the truth aligned with it."""
     track, truth = walk.track, recording.truth.positions
     truth_m = truth_points(track, truth, in_map_frame)
-    plan = walk.plan if in_map_frame else None
+    plan = walk.plan if in_map_frame and not walk.floors else None
     figure = plot_track(track, walk.fixes, truth_m, in_map_frame or north_up, plan)
     legend = _track_lines(track)
     legend += [LegendEntry("ellipse", "muted", "95 % region"), LegendEntry("start", "ink", "start")]
@@ -72,6 +74,24 @@ def track_panel(walk: SmoothedWalk, recording: Recording, in_map_frame: bool, no
         legend.append(LegendEntry("band", svg.css_name(svg.DOUBT), "does not fit"))
     caption = _track_caption(walk, truth_m is not None, in_map_frame, north_up)
     return Panel("Track", _markup(figure, "track", "Map of the track"), tuple(legend), caption)
+
+
+def floor_panels(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) -> list[Panel]:
+    """Make a map for each floor of a walk over several, with its plan and the part of the track on it."""
+    truth = recording.truth.positions
+    panels = []
+    for number, floor in enumerate(visited_floors(walk) if in_map_frame else ()):
+        track = walk.track.rows_where(within_spans(walk.track.time_s, floor.shown_s))
+        if not len(track):
+            continue
+        fixes = [fix for fix in walk.fixes if within_spans(np.array([fix.time_s]), floor.shown_s)[0]]
+        truth_m = None if truth is None else truth.position_m[within_spans(truth.time_s, floor.shown_s)]
+        figure = plot_track(track, tuple(fixes), truth_m, True, floor.plan)
+        legend = [*_track_lines(track), LegendEntry("shade", "muted", "walkable floor")]
+        caption = "The part of the track on this floor, with the ways to it and from it."
+        markup = _markup(figure, f"floor-{number}", f"Map of the track on {floor.title}")
+        panels.append(Panel(f"Track on {floor.title}", markup, tuple(legend), caption))
+    return panels
 
 
 def _track_lines(track: Track) -> list[LegendEntry]:

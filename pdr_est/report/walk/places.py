@@ -4,9 +4,11 @@ from dataclasses import asdict
 from typing import Any
 
 from pdr_est.pipeline import SmoothedWalk
+from pdr_est.report.walk.visited_floors import visited_floors, within_spans
 from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.height import HeightProfile
 from pdr_est.types.region import PoseRegion
+from pdr_est.types.track import Track
 
 
 def describe_height(profile: HeightProfile | None) -> dict[str, Any] | None:
@@ -34,14 +36,26 @@ def describe_places(region: PoseRegion) -> dict[str, Any]:
     }
 
 
-def describe_walk_on_plan(walk: SmoothedWalk, plan: FloorPlan) -> dict[str, Any]:
-    """Describe the floor plan, and how much of the track lies outside of it."""
-    outside = ~plan.contains(walk.track.of_device(walk.track.devices[-1]).position_m)
+def describe_walk_on_plans(walk: SmoothedWalk) -> list[dict[str, Any]]:
+    """Describe the floor plan, or those of the floors that were visited, the lowest first."""
+    track = walk.track.of_device(walk.track.devices[-1])
+    if walk.floors:
+        return [
+            _on_plan(track.rows_where(within_spans(track.time_s, one.on_plan_s)), one.plan)
+            for one in visited_floors(walk)
+        ]
+    return [] if walk.plan is None else [_on_plan(track, walk.plan)]
+
+
+def _on_plan(track: Track, plan: FloorPlan) -> dict[str, Any]:
+    """Describe a floor plan, and how much of the track on its floor lies outside of it."""
+    outside = ~plan.contains(track.position_m)
     return {
         "name": plan.name,
         "floor": plan.floor,
         "walkable_m2": plan.area_m2,
         "sigma_m": plan.sigma_m,
-        "share_of_track_outside": float(outside.mean()),
+        "poses": len(track),
+        "share_of_track_outside": float(outside.mean()) if len(track) else None,
         "notes": plan.notes,
     }

@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pdr_est.calibration.profile import Profile
 from pdr_est.config import Config, config_to_dict
 from pdr_est.errors import RecordingError
@@ -24,6 +26,7 @@ from pdr_est.report.walk.earth_placement import EarthPlacement, place_on_earth
 from pdr_est.report.walk.map_extras import NO_EXTRAS, MapExtras
 from pdr_est.report.walk.summary import Json, package_versions, summarise
 from pdr_est.report.walk.track_formats import WrittenTrack, write_track_formats
+from pdr_est.report.walk.visited_floors import visited_floors
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.recording import Recording
 from pdr_est.types.track import Track
@@ -92,19 +95,26 @@ def _map_extras(
 ) -> tuple[MapExtras, list[str]]:
     """Collect the further parts of the map; return also the reason if the background cannot be placed.
 
-    Without a background of its own the map has the floor plan of the walk.
+    Without a background of its own the map has the floor plan of the walk, or those of its floors.
     """
     variants = _variants(walk, config)
-    if background is None and walk.plan is not None:
+    if background is None and walk.plan is not None and not walk.floors:
         background = plan_background(walk.plan)
-    if background is None:
-        return MapExtras(variants), []
     points_m = walk.track.position_m
+    reach = points_m.min(axis=0), points_m.max(axis=0)
     try:
-        below = background.placed(placement, points_m.min(axis=0), points_m.max(axis=0))
+        below = None if background is None else background.placed(placement, *reach)
+        floors = tuple(
+            {
+                "name": floor.plan.floor,
+                "plan": plan_background(floor.plan).placed(placement, *reach),
+                "spans_s": np.clip(floor.shown_s, *walk.track.time_s[[0, -1]] + [0.0, 1.0]).tolist(),
+            }
+            for floor in visited_floors(walk)
+        )
     except RecordingError as error:  # only known after the long work, whose results are worth having
         return MapExtras(variants), [str(error)]
-    return MapExtras(variants, below, background.image_hosts), []
+    return MapExtras(variants, below, floors, () if background is None else background.image_hosts), []
 
 
 def _variants(walk: SmoothedWalk, config: Config) -> dict[str, Track]:

@@ -25,7 +25,7 @@ from pdr_est.report.walk.descriptions import (
     describe_length_scale,
 )
 from pdr_est.report.walk.mode_statistics import mode_statistics
-from pdr_est.report.walk.places import describe_height, describe_places, describe_walk_on_plan
+from pdr_est.report.walk.places import describe_height, describe_places, describe_walk_on_plans
 from pdr_est.types.clock import utc_date
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix, StartPose
@@ -141,10 +141,12 @@ def to_json(value: Any) -> Any:
 
 
 def _known_places(walk: SmoothedWalk, start: StartPose | None) -> Json:
+    on_plans = describe_walk_on_plans(walk)
     return {
         "fixes": _fixes(walk.fixes, walk.fixes_used, start),
         "height": describe_height(walk.track.height),
-        "floor_plan": None if walk.plan is None else describe_walk_on_plan(walk, walk.plan),
+        "floor_plan": max(on_plans, key=lambda one: int(one["poses"]), default=None),
+        "floor_plans": on_plans,
     }
 
 
