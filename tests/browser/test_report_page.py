@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Page, Route, expect
+from storeys import BUILDING, TURNED, over_three_storeys
 
 from pdr_est import pipeline
 from pdr_est.cli import main
@@ -208,3 +209,26 @@ def test_numbers_are_written_for_reading(report: str, open_page: OpenPage) -> No
     page = open_page(report)
     written = page.evaluate("[numberText(-0.4, 0), numberText(-1.25, 1), numberText(NaN, 1), timeText(125.0)]")
     assert written == ["0", "−1.3", "–", "2:05.0"]
+
+
+def test_the_floor_is_chosen_and_follows_the_cursor(tmp_path: Path, open_page: OpenPage) -> None:
+    recording, config = over_three_storeys().recording, TURNED.with_estimator("particle")
+    write_results(tmp_path, pipeline.smooth_recording(recording, config, plan=BUILDING), recording, config, {})
+    page = open_page((tmp_path / "report.html").as_uri())
+    floors = page.locator("input[name=floor]")
+    expect(floors).to_have_count(3)
+    expect(floors.nth(0)).to_be_checked()
+    plans = page.locator(".leaflet-plan-pane canvas")
+    drawn = "canvases => canvases.map((canvas) => canvas.toDataURL()).join()"
+    pictures = {plans.evaluate_all(drawn)}
+    floors.nth(2).check()
+    assert float(page.locator(".time-slider").input_value()) > 90.0  # the lift
+    page.wait_for_timeout(300)
+    pictures.add(plans.evaluate_all(drawn))
+    page.locator(".time-slider").fill("10")
+    expect(floors.nth(0)).to_be_checked()
+    page.locator(".time-slider").fill("70")
+    expect(floors.nth(1)).to_be_checked()
+    page.wait_for_timeout(300)
+    pictures.add(plans.evaluate_all(drawn))
+    assert len(pictures) == 3

@@ -89,6 +89,46 @@ def test_a_plan_in_degrees_gives_the_walk_its_place_on_the_earth(good: Path, tmp
     assert (longitude, latitude) == pytest.approx((11.5 - 5e-5 + 6.7e-5, 48.1 - 5e-5 + 7.2e-5), abs=2e-6)
 
 
+def floors_of(folder: Path, *names: str) -> list[Path]:
+    """A file for each floor."""
+    paths = []
+    for name in names:
+        (folder / name).mkdir()
+        paths.append(plan_file(folder / name).rename(folder / f"{name}.geojson"))
+    return paths
+
+
+def test_several_plans_and_the_floor_of_the_start(good: Path, tmp_path: Path) -> None:
+    ground, first = floors_of(tmp_path, "ground", "first")
+    options = ("--start", 0, 0, "--heading", 0, "--plan", first, "--plan", ground)
+    result = smoothed(good, tmp_path / "out", *options, "--floor", "ground")
+    assert "no air pressure was recorded, so that the whole walk counts as one on floor ground" in result.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert [one["floor"] for one in summary["floor_plans"]] == ["ground"]
+    assert {str(ground), str(first)} <= {one["name"] for one in summary["inputs"]}
+    line = smooth_refused(good, tmp_path / "a", *options)
+    assert "shows the floors ground, first, and where the walk begins is not known" in line
+    assert "--floor NAME" in line
+    assert "has no floor 'attic', only first, ground" in smooth_refused(
+        good, tmp_path / "b", *options, "--floor", "attic"
+    )
+
+
+def test_a_recording_is_tracked_on_its_plan(good: Path, tmp_path: Path) -> None:
+    options = ("--start", 0, 0, "--heading", 0)
+    lines = [
+        [json.loads(line) for line in run("track", good, *options, *more).stdout.splitlines()]
+        for more in (("--plan", plan_file(tmp_path)), ("--estimator", "particle"))
+    ]
+    assert len(lines[0]) == len(lines[1]) > 10
+    on_plan = read_floor_plan(plan_file(tmp_path)).contains(np.array([(one["x_m"], one["y_m"]) for one in lines[0]]))
+    assert on_plan.all()
+    assert any(a["x_m"] != b["x_m"] for a, b in zip(*lines, strict=True))
+    line = refused("track", good, *options, "--plan", plan_file(tmp_path), "--estimator", "ekf")
+    assert "ekf makes no use of the floor plan hall: track with particle, or leave the plan out" in line
+    assert "give --plan FILE, too" in refused("track", good, "--floor", "1")
+
+
 def test_plans_that_do_not_fit_are_refused_in_one_line(good: Path, tmp_path: Path) -> None:
     path = plan_file(tmp_path)
     line = smooth_refused(good, tmp_path / "a", "--plan", path, "--start", 40, 0)

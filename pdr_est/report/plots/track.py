@@ -107,7 +107,7 @@ def select_ellipses(track: Track, count: int) -> list[int]:
     without a finite, visible covariance never are.
     """
     radius = radius95_m(track.covariance_m2)
-    legs = np.linalg.norm(np.diff(track.position_m, axis=0), axis=1)
+    legs = np.nan_to_num(np.linalg.norm(np.diff(track.position_m, axis=0), axis=1))
     way = np.concatenate([[0.0], np.cumsum(legs)])
     spacing = way[-1] / max(count, 1)
     visible = np.flatnonzero(np.isfinite(radius) & (radius > 0.0))

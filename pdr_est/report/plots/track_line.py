@@ -69,7 +69,7 @@ def _width(track: Track, usual_pt: float) -> float:
 
 def _arrows(axes: Axes, track: Track, arrow_m: float, colour: str | None) -> None:
     """Draw arrow heads at equal distances; without a colour each has that of the mode there."""
-    legs = np.linalg.norm(np.diff(track.position_m, axis=0), axis=1)
+    legs = np.nan_to_num(np.linalg.norm(np.diff(track.position_m, axis=0), axis=1))
     way = np.concatenate([[0.0], np.cumsum(legs)])
     if way[-1] < 4.0 * arrow_m:
         return
@@ -85,7 +85,7 @@ def _arrows(axes: Axes, track: Track, arrow_m: float, colour: str | None) -> Non
 def _arrow(axes: Axes, tip: Array, direction: Array, size_m: float, colour: str) -> None:
     """Draw a small filled arrow head in the walking direction."""
     norm = float(np.hypot(*direction))
-    if norm < 1e-9:
+    if not norm >= 1e-9:
         return
     ahead = direction / norm
     aside = np.array([-ahead[1], ahead[0]])

@@ -123,7 +123,8 @@ function createDeviceLines(device, panes) {
     regions.setLatLngs(outlines);
   }
 
-  return { name: device.name, poses, layers: { lines, ellipses }, redraw, restyle, redrawEllipses, setShown, isShown };
+  const layers = { lines, ellipses };
+  return { name: device.name, poses, layers, redraw, restyle, redrawEllipses, setShown, isShown };
 }
 
 /** Colours of the present theme by the names of CSS variables: looking one up makes the browser compute styles. */

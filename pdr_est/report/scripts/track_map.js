@@ -16,8 +16,8 @@ const NEAR_FIX_S = 2;
  * @param element  where the map is drawn; its size is set by CSS
  * @param options  north: true if up is north; modes: [{name, colour, dashes}] by the number of a mode;
  *   onPick(time_s, device, index, pressed): called when the pointer is near a pose (pressed: clicked or tapped)
- * @returns setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, showTimes, fit,
- *   leaflet
+ * @returns setDevices, append, setRegions, setFixes, setTruth, setVariants, setDoubts, setCursor, show, showTimes,
+ *   fit, leaflet
  */
 function createTrackMap(element, options = {}) {
   const map = L.map(element, {

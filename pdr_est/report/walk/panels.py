@@ -22,7 +22,7 @@ from pdr_est.report.plots.mode_style import mode_legend, mode_runs
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import plot_track
 from pdr_est.report.plots.track_line import mode_polylines
-from pdr_est.report.walk.visited_floors import visited_floors, within_spans
+from pdr_est.report.walk.visited_floors import VisitedFloor, part_on_floor, visited_floors, within_spans
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.height import HeightProfile
 from pdr_est.types.recording import Recording
@@ -81,17 +81,23 @@ def floor_panels(walk: SmoothedWalk, recording: Recording, in_map_frame: bool) -
     truth = recording.truth.positions
     panels = []
     for number, floor in enumerate(visited_floors(walk) if in_map_frame else ()):
-        track = walk.track.rows_where(within_spans(walk.track.time_s, floor.shown_s))
+        track = part_on_floor(walk.track, floor)
         if not len(track):
             continue
         fixes = [fix for fix in walk.fixes if within_spans(np.array([fix.time_s]), floor.shown_s)[0]]
-        truth_m = None if truth is None else truth.position_m[within_spans(truth.time_s, floor.shown_s)]
+        truth_m = None if truth is None else _in_visits(truth, floor)
         figure = plot_track(track, tuple(fixes), truth_m, True, floor.plan)
         legend = [*_track_lines(track), LegendEntry("shade", "muted", "walkable floor")]
         caption = "The part of the track on this floor, with the ways to it and from it."
         markup = _markup(figure, f"floor-{number}", f"Map of the track on {floor.title}")
         panels.append(Panel(f"Track on {floor.title}", markup, tuple(legend), caption))
     return panels
+
+
+def _in_visits(truth: TruePositions, floor: VisitedFloor) -> Array:
+    """Return the true positions (n, 2) in the visits of a floor, with a row of NaN after each visit."""
+    parts = [truth.position_m[within_spans(truth.time_s, (span_s,))] for span_s in floor.shown_s]
+    return np.concatenate([np.vstack([part, np.full((1, 2), np.nan)]) for part in parts])
 
 
 def _track_lines(track: Track) -> list[LegendEntry]:

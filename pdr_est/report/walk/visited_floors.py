@@ -1,6 +1,6 @@
 """The floors of a walk for which the plans of several were given, and when the walker was on each."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from pdr_est.frames import Array
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.types.floor_plan import FloorPlan, PresentFloor
 from pdr_est.types.height import HeightProfile
+from pdr_est.types.track import Track
 
 Spans = tuple[tuple[float, float], ...]
 """Begins and ends of times, s."""
@@ -46,10 +47,25 @@ def within_spans(time_s: Array, spans_s: Spans) -> NDArray[np.bool_]:
     return found
 
 
+def part_on_floor(track: Track, floor: VisitedFloor) -> Track:
+    """Select the poses on a floor and on the ways to it and from it; its line breaks between two visits.
+
+    The first pose of a later visit has no position, so that no line leads there from the end of the one before.
+    """
+    inside = within_spans(track.time_s, floor.shown_s)
+    part = track.rows_where(inside)
+    begins = inside & ~np.concatenate([[True], inside[:-1]])
+    again = (begins & (track.device == np.roll(track.device, 1)))[inside]
+    again &= part.time_s > floor.shown_s[0][1]  # of later visits
+    position_m, covariance_m2 = part.position_m.copy(), part.covariance_m2.copy()
+    position_m[again], covariance_m2[again] = np.nan, np.nan
+    return replace(part, position_m=position_m, covariance_m2=covariance_m2)
+
+
 def visited_floors(walk: SmoothedWalk) -> tuple[VisitedFloor, ...]:
     """List the floors of a walk that have a plan, the lowest one first; none where not several plans were given."""
     floors = walk.floors
-    ends_s = [*(one.time_s for one in floors[1:]), np.inf]
+    ends_s = [one.time_s for one in floors[1:]] + [np.inf] * (len(floors) > 0)
     found: dict[int, VisitedFloor] = {}
     for place, (one, end_s) in enumerate(zip(floors, ends_s, strict=True)):
         if one.plan is None:
