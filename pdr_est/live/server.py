@@ -8,7 +8,6 @@ import asyncio
 import json
 import secrets
 from collections.abc import Callable, Collection
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +56,7 @@ class LiveApp:
         self._session, self._pushed = session, pushed
         self._page_token, self._push_token = page_token, push_token
         self._phones: dict[str, Any] = {}
+        self._live_page = render_live_page(MODES, session.plan)
         self._open_pages = 0
         self.report_folder: Path | None = None
         self.report_files: Collection[str] = ()
@@ -94,7 +94,7 @@ class LiveApp:
     async def _page(self, request: Request) -> Response:
         if not self._allowed(request, self._page_token):
             return await _nothing(request, None)
-        page, policy = live_page()
+        page, policy = self._live_page
         return HTMLResponse(page, headers={"content-security-policy": policy})
 
     async def _report(self, request: Request) -> Response:
@@ -162,12 +162,6 @@ class LiveApp:
             pass
         finally:
             reporting.cancel()
-
-
-@cache
-def live_page() -> tuple[str, str]:
-    """Return the page and its Content-Security-Policy."""
-    return render_live_page(MODES)
 
 
 async def _again_and_again(work: Callable[[], None]) -> None:

@@ -1,5 +1,6 @@
 """The live page in a real browser, fed by a replay and by the browser's own motion events."""
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -9,8 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Page
+from storeys import BUILDING, over_three_storeys
 
 from pdr_est.config import Config
+from pdr_est.io.floor_plans.writing import write_floor_plan
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.io.formats.registry import read
 from pdr_est.pipeline import smooth_recording
@@ -175,3 +178,28 @@ def test_the_browsers_own_sensors_make_the_track_of_the_file(tmp_path: Path, ope
     same_track(rows, track, track.devices[0])
     assert np.median(delays) < 200.0
     assert (out / "result" / "report.html").is_file()
+
+
+def test_the_plan_of_the_present_floor_lies_below_the_track(tmp_path: Path, open_page: Callable[..., Page]) -> None:
+    walk, floors = tmp_path / "walk.csv", [tmp_path / f"{plan.floor}.geojson" for plan in BUILDING.plans]
+    write_plain_csv(over_three_storeys().recording, walk)
+    for plan, file in zip(BUILDING.plans, floors, strict=True):
+        write_floor_plan(plan, file)
+    plans = [word for file in floors for word in ("--plan", str(file))]
+    start = ("--start", "0", "0", "--heading", "0", "--floor", "0")
+    options = ("--replay", str(walk), "--speed", "25", "-o", str(tmp_path / "out"), *plans, *start)
+    shown = "livePlans.filter(({ layer }) => liveMap.leaflet.hasLayer(layer)).map(({ name }) => name).join()"
+    with live_server(*options) as address:
+        page = open_page(address, width=390, height=844, color_scheme="dark")
+        wait_until(page, WALKING)
+        assert page.evaluate(shown) == "0"
+        for floor in ("1", "2", "1"):
+            wait_until(page, f"{shown} === '{floor}'")
+        assert page.locator("#floor").inner_text().startswith("1, +")
+        assert fits_width(page)
+        page.wait_for_selector("#report:not([hidden])", timeout=PATIENCE_MS)
+        rows = page.evaluate("liveTrack.rows(liveTrack.main())")
+    summary = json.loads((tmp_path / "out" / "result" / "summary.json").read_text(encoding="utf-8"))
+    assert [one["floor"] for one in summary["floor_plans"]] == ["0", "1", "2"]
+    last_m = np.array([row[3:5] for row in rows if row[1] > rows[-1][1] - 10.0])
+    assert BUILDING.plans[1].contains(last_m).mean() > 0.9

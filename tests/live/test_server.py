@@ -13,8 +13,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from pdr_est.io.formats.registry import read
-from pdr_est.live.server import live_page
+from pdr_est.live.poses import MODES
 from pdr_est.live.session import LiveSession, Message
+from pdr_est.report.live_page import render_live_page
 
 NewWalk = Callable[..., LiveSession]
 ALL = ("gravity", "accelerometer", "gyroscope")
@@ -51,7 +52,7 @@ def test_without_the_token_there_is_nothing(new_walk: NewWalk, path: str) -> Non
 
 
 def test_the_page_may_run_its_own_scripts_only(new_walk: NewWalk) -> None:
-    page, policy = live_page()
+    page, policy = render_live_page(MODES)
     with served(new_walk(None)) as server:
         status, text, headers = server.ask(f"{PAGE}/")
     assert (status, text) == (200, page)

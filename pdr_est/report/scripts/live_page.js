@@ -12,6 +12,8 @@ const liveMap = createTrackMap(byId('map'), {
   modes: modeNames.map((name) => ({ name, colour: `--mode-${name.toLowerCase()}`, dashes: [] })),
 });
 const liveTrack = createLiveTrack(liveMap);
+const livePlans = JSON.parse(byId('plans').textContent).map(({ floor, name, plan }) => (
+  { floor, name, layer: addMapBackground(liveMap.leaflet, plan) }));
 const liveDelays = [];
 let pressed_ms = null;
 
@@ -62,6 +64,7 @@ function showNumbers() {
 function showStatus(status) {
   byId('steps').textContent = status.phones.length ? status.phones.map((one) => one.steps).join(' + ') : '–';
   byId('filter-delay').textContent = status.latency_s ? `${status.latency_s.toFixed(1)} s` : '–';
+  showPlanOf(status.height ? status.height.floor : 0);
   byId('floor-box').hidden = !status.height;
   if (status.height) byId('floor').textContent = floorText(status.height);
   byId('missing').replaceChildren(...status.missing.map((words) => makeElement('li', {}, words)));
@@ -73,9 +76,17 @@ function showStatus(status) {
   }));
 }
 
-/** Write the floor and the height, such as 2, +7.1 ± 0.4 m. */
+/** Show the plan of the floor with a number, counted from that of the start; a plan without one is always shown. */
+function showPlanOf(number) {
+  for (const { floor, layer } of livePlans) {
+    if (floor === null || floor === number) layer.addTo(liveMap.leaflet); else layer.remove();
+  }
+}
+
+/** Write the floor, by its name on the plans if it has one, and the height, such as 2, +7.1 ± 0.4 m. */
 function floorText({ floor, height_m, sigma_m }) {
-  return `${floor}, ${height_m < 0 ? '−' : '+'}${Math.abs(height_m).toFixed(1)} ± ${sigma_m.toFixed(1)} m`;
+  const known = livePlans.find((one) => one.floor === floor);
+  return `${known ? known.name : floor}, ${height_m < 0 ? '−' : '+'}${Math.abs(height_m).toFixed(1)} ± ${sigma_m.toFixed(1)} m`;
 }
 
 function sensorText({ name, rate_hz, samples }) {
@@ -103,6 +114,7 @@ function addNote(words) {
   byId('notes').prepend(makeElement('li', {}, words));
 }
 
+showPlanOf(0);
 byId('sensors').addEventListener('click', () => { byId('sensors').disabled = true; phone.start(); });
 byId('stop').addEventListener('click', () => { if (confirm('End the walk?')) link.send({ type: 'stop' }); });
 byId('here').addEventListener('click', () => {
