@@ -128,6 +128,11 @@ class AnalysedWalk:
         self._on_plan.append((tuple(fixes), track))
         return track
 
+    @property
+    def last_on_plan(self) -> Track | None:
+        """Track on the floor plan that was estimated last; None without any."""
+        return self._on_plan[-1][1] if self._on_plan else None
+
     def track_with_fixes(self, name: str, fixes: Sequence[PositionFix]) -> Track:
         """Estimate the track of a device, or of the person, with fixes, and keep it in `fixed_tracks`."""
         self.fixed_tracks[name] = self.track(fixes).of_device(name)

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from pdr_est.frames import Array
 
 
@@ -44,6 +46,8 @@ class TrackOutcome:
         Number of steps that got each label, where steps are classified.
     findings
         Number of doubtful findings about the walk, with the fixes that the track was estimated with.
+    on_plan_m
+        (n, 2) m, track that was estimated with the floor plan, in the frame of the plan; empty without one.
     """
 
     walk: str
@@ -64,3 +68,9 @@ class TrackOutcome:
     counts: Mapping[str, int] = field(default_factory=dict)
     predicted: Mapping[str, int] = field(default_factory=dict)
     findings: int = 0
+    on_plan_m: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+    @property
+    def drawn_m(self) -> Array:
+        """Positions (n, 2), m, of the track that a map shows: of that with the floor plan, if there is one."""
+        return self.on_plan_m if len(self.on_plan_m) else self.position_m

@@ -15,7 +15,7 @@ from pdr_est.experiment.suite import CalibrationCase
 from pdr_est.output.atomic_output import staged_file
 from pdr_est.types.outcome import TrackOutcome
 
-_DIGITS = {"position_m": 2, "truth_m": 2, "way_m": 1, "error_m": 3, "squared": 4}  # a plot shows no more
+_DIGITS = {"position_m": 2, "on_plan_m": 2, "truth_m": 2, "way_m": 1, "error_m": 3, "squared": 4}  # as plots show
 SUFFIX = ".json.gz"
 
 
@@ -144,6 +144,6 @@ def _track_document(track: TrackOutcome) -> dict[str, Any]:
 
 
 def _track(row: dict[str, Any]) -> TrackOutcome:
-    shapes = {"position_m": (-1, 2), "truth_m": (-1, 2)}
+    shapes = dict.fromkeys(("position_m", "on_plan_m", "truth_m"), (-1, 2))
     lines = {name: np.array(row[name], dtype=np.float64).reshape(shapes.get(name, (-1,))) for name in _DIGITS}
     return TrackOutcome(**{**row, **lines})

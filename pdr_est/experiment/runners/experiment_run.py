@@ -1,12 +1,12 @@
 """Run of an experiment: walks without a result, then the tables and the report."""
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pdr_est.errors import ConfigError
+from pdr_est.errors import ConfigError, FloorPlanError
 from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.experiment.loader import Experiment
 from pdr_est.experiment.results.comparison import compare_variants, read_values
@@ -17,9 +17,11 @@ from pdr_est.experiment.results.walk_result import WalkResult, decode, encode, s
 from pdr_est.experiment.runners.dask_cluster import connected, run_on_cluster
 from pdr_est.experiment.runners.processes import FinishedWalk, run_in_processes
 from pdr_est.experiment.runners.scoring_job import ScoringJob, experiment_job
+from pdr_est.experiment.scoring.known_plan import PLAN_METRICS
 from pdr_est.experiment.variants.alignment import aligned_variants
 from pdr_est.experiment.walks import Walk
 from pdr_est.output.own_files import OwnFiles
+from pdr_est.types.floor_plan import FloorPlan
 
 Progress = Callable[[int, int], None]
 Run = Callable[[ScoringJob, Sequence[Walk]], Iterator[FinishedWalk]]
@@ -142,8 +144,19 @@ def _write_report(
         config=experiment.to_yaml(),
         provenance=document,
         aligned=aligned_variants(experiment.variants),
+        plans=_plans(experiment),
     )
     OwnFiles(output).write(REPORT, render_comparison(content))
+
+
+def _plans(experiment: Experiment) -> dict[str, FloorPlan]:
+    """Read the floor plans of the walks, if they are scored on them; a plan that cannot be used is left out."""
+    found: dict[str, FloorPlan] = {}
+    for walk in experiment.walks if set(PLAN_METRICS) & set(experiment.metrics) else ():
+        with suppress(FloorPlanError):  # which is among the failures
+            plan = walk.floor_plan(experiment.suite)
+            found |= {} if plan is None else {walk.name: plan}
+    return found
 
 
 def _pairs(output: Path) -> tuple[PairedComparison, ...]:

@@ -43,6 +43,7 @@ def track_outcomes(
     analysed = scored.walk
     truth = analysed.recording.truth
     open_track = analysed.tracks[0][1] if analysed.tracks else None
+    on_plan = analysed.last_on_plan
     names = analysed.track_names
     with_fixes = analysed.fixed_tracks.keys() == set(names)
     for name, scores in zip(names, scored.scores, strict=False):
@@ -69,6 +70,7 @@ def track_outcomes(
             counts=scores.counts,
             predicted=scores.predicted,
             findings=findings,
+            on_plan_m=np.empty((0, 2)) if on_plan is None else on_plan.of_device(name).position_m,
             **lines,
         )
 

@@ -1,16 +1,21 @@
 """Data that the scripts of the comparison page show: metrics of each walk, tracks, and curves of the errors."""
 
-from collections.abc import Collection, Sequence
+import json
+from collections.abc import Collection, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from pdr_est.evaluate.metric_definitions import DEFINITIONS, unit_of
 from pdr_est.frames import Array
+from pdr_est.report.background.kinds import plan_background
+from pdr_est.report.background.placement import MapPlacement
 from pdr_est.report.comparison.curves import error_curves
 from pdr_est.report.comparison.line_encoding import encode_lines, simplify_lines
 from pdr_est.report.comparison.plots import variant_styles
 from pdr_est.report.comparison.tables import key_of
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.outcome import TrackOutcome
 
 _DIGITS = 5  # of a metric, two more than are shown
@@ -19,6 +24,9 @@ _CHARACTERS_OF_A_POINT = 4
 _FEWEST_POINTS, _MOST_POINTS = 24, 4000  # of a track
 _ROWS_AT_ONCE = 64  # whose points are in memory together
 _FINEST_M, _SHARE = 0.02, 1 / 2000  # error of a drawn line, absolute and of the extent of the walk: less than a pixel
+
+NO_PLANS: Mapping[str, FloorPlan] = MappingProxyType({})
+"""Plans of walks without any."""
 
 Row = tuple[str, str]
 """Walk and track, of which each variant has one result."""
@@ -31,6 +39,7 @@ def comparison_data(
     group_by: Sequence[str],
     first_metric: str | None,
     aligned: Collection[str] = (),
+    plans: Mapping[str, FloorPlan] = NO_PLANS,
 ) -> dict[str, Any]:
     """Describe the results as JSON-serialisable columns.
 
@@ -46,6 +55,8 @@ def comparison_data(
         Metric that is shown first; None without any.
     aligned : collection of str
         Names of the variants whose estimator only aligns its track with the fixes.
+    plans : mapping of str to FloorPlan
+        Floor plans of walks, by the names of the walks.
     """
     rows = list(dict.fromkeys((one.walk, one.track) for one in outcomes))
     of_variant: dict[str, dict[Row, TrackOutcome]] = {name: {} for name in variants}
@@ -70,6 +81,7 @@ def comparison_data(
         "keys": _keys(outcomes, rows, group_by),
         "values": {name: [[_value(one, name) for one in column] for column in table] for name in metrics},
         "lines": _lines(table, len(rows)),
+        **_plans([plans.get(walk) for walk, _ in rows]),
         "curves": error_curves(outcomes, list(styles.values())),
     }
 
@@ -109,9 +121,20 @@ def _keys(outcomes: Sequence[TrackOutcome], rows: Sequence[Row], group_by: Seque
     return keys
 
 
+def _plans(of_rows: Sequence[FloorPlan | None]) -> dict[str, Any]:
+    """Describe each floor plan once, and number the plan of each row; None for a row without plan."""
+    here = MapPlacement(np.zeros(2), None, "")
+    drawn: dict[str, int] = {}  # text -> number
+    numbers = []
+    for plan in of_rows:
+        lines = None if plan is None else plan_background(plan).placed(here, np.zeros(2), np.zeros(2))
+        numbers.append(None if lines is None else drawn.setdefault(json.dumps(lines), len(drawn)))
+    return {"plans": [json.loads(text) for text in drawn], "plan_of": numbers}
+
+
 def _lines(table: Sequence[Sequence[TrackOutcome | None]], rows: int) -> dict[str, Any]:
     """Encode the tracks of all variants and the true positions, with one step of quantisation for each row."""
-    drawn = sum(one is not None and len(one.position_m) > 0 for column in table for one in column)
+    drawn = sum(one is not None and len(one.drawn_m) > 0 for column in table for one in column)
     most = int(np.clip(_TRACK_CHARACTERS / _CHARACTERS_OF_A_POINT / max(drawn, 1), _FEWEST_POINTS, _MOST_POINTS))
     steps_m: list[float] = []
     texts: list[list[str]] = [[] for _ in range(len(table) + 1)]  # of the truth and of each variant
@@ -128,10 +151,10 @@ def _lines(table: Sequence[Sequence[TrackOutcome | None]], rows: int) -> dict[st
 
 
 def _lines_of(results: Sequence[TrackOutcome | None]) -> list[Array]:
-    """List the true positions of a row, and the track of each variant; empty where there are none."""
+    """List the true positions of a row, and the track of each variant that is drawn; empty where there are none."""
     nothing = np.empty((0, 2))
     truth_m = next((one.truth_m for one in results if one is not None), nothing)
-    return [truth_m, *(nothing if one is None else one.position_m for one in results)]
+    return [truth_m, *(nothing if one is None else one.drawn_m for one in results)]
 
 
 def _extent(lines: Sequence[Array]) -> float:

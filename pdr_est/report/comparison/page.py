@@ -1,7 +1,7 @@
 """The report of an experiment: one HTML file that needs nothing but a browser."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,19 +11,22 @@ from matplotlib.figure import Figure
 from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, with_unit
 from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.report.comparison import tables
-from pdr_est.report.comparison.comparison_data import comparison_data
+from pdr_est.report.comparison.comparison_data import NO_PLANS, comparison_data
 from pdr_est.report.comparison.plots import plot_coverage, plot_distribution, plot_growth, plot_tracks, variant_styles
 from pdr_est.report.inline_assets import TRACK_MAP_SCRIPTS, inline_assets, inline_json
 from pdr_est.report.page_templates import template_environment
 from pdr_est.report.plots import figure as svg
 from pdr_est.report.plots.legend import LegendEntry
 from pdr_est.report.walk.panels import Panel
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.outcome import TrackOutcome
 
 _TRUTH = LegendEntry("truth", "muted", "true positions")
 _IDEAL = LegendEntry("line", "muted", "ideal", (1.6, 1.0))
 _MOST_FAILURES = 100  # shown
 _SCRIPTS = (
+    "packed_columns.js",
+    "map_background.js",
     "dom.js",
     "page_parts.js",
     "comparison_data.js",
@@ -60,6 +63,8 @@ class ComparisonContent:
         Information that is needed to repeat the experiment.
     aligned : tuple of str
         Names of the variants whose estimator only aligns its track with the fixes.
+    plans : mapping of str to FloorPlan
+        Floor plans of walks, by the names of the walks, to draw below their tracks.
     """
 
     title: str
@@ -73,6 +78,7 @@ class ComparisonContent:
     config: str
     provenance: Mapping[str, Any]
     aligned: tuple[str, ...] = ()
+    plans: Mapping[str, FloorPlan] = field(default_factory=lambda: NO_PLANS)
 
 
 def render_comparison(content: ComparisonContent) -> str:
@@ -81,7 +87,9 @@ def render_comparison(content: ComparisonContent) -> str:
     assets = inline_assets(["leaflet", "uplot"], [*TRACK_MAP_SCRIPTS, *_SCRIPTS])
     shown = [metric for metric in content.metrics if any(one.metrics[metric] is not None for one in content.outcomes)]
     first_metric = _leading_metric(content, shown)
-    data = comparison_data(content.outcomes, content.variants, shown, content.group_by, first_metric, content.aligned)
+    data = comparison_data(
+        content.outcomes, content.variants, shown, content.group_by, first_metric, content.aligned, content.plans
+    )
     return (
         template_environment()
         .get_template("comparison.html.j2")
@@ -91,6 +99,7 @@ def render_comparison(content: ComparisonContent) -> str:
             policy=assets.policy(),
             data=inline_json(data),
             explorable=bool(shown and content.outcomes),
+            on_plans=any(len(one.on_plan_m) for one in content.outcomes),
             curves=data["curves"],
             tiles=_tiles(content),
             averages=tables.averages_table(content.outcomes, content.variants, shown, content.aligned),
@@ -190,7 +199,7 @@ def _gallery(content: ComparisonContent, metrics: Sequence[str]) -> list[Panel]:
         name = walk if track == "device" else f"{walk}, {track}"
         values = "; ".join(f"{one.variant} {tables.format_metric(one.metrics[metric])}" for one in rows)
         legend = (*variant_styles(content.variants).values(), *([_TRUTH] if len(rows[0].truth_m) else []))
-        figure = plot_tracks(rows, content.variants)
+        figure = plot_tracks(rows, content.variants, content.plans.get(walk))
         panels.append(
             _panel(
                 f"{word} walk by {metric}: {name}", f"walk{place}", figure, legend, f"{with_unit(metric)}: {values}."

@@ -19,7 +19,9 @@ from pdr_est.report.comparison.curves import (
     pooled_values,
 )
 from pdr_est.report.plots import figure as svg
+from pdr_est.report.plots.floor_plan import draw_floor_plan
 from pdr_est.report.plots.legend import LegendEntry
+from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.outcome import TrackOutcome
 
 _DASHES: tuple[tuple[float, ...], ...] = ((), (3.2, 1.6), (1.1, 1.1), (5.0, 1.2, 1.1, 1.2))
@@ -105,9 +107,9 @@ def plot_coverage(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> 
     return figure
 
 
-def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Figure:
-    """Draw the tracks of one walk, one line for each variant, over the true positions."""
-    clouds = [one.position_m for one in outcomes] + [one.truth_m for one in outcomes]
+def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str], plan: FloorPlan | None = None) -> Figure:
+    """Draw the tracks of one walk, one line for each variant, over the true positions and the floor plan."""
+    clouds = [one.drawn_m for one in outcomes] + [one.truth_m for one in outcomes]
     cloud = np.concatenate([points for points in clouds if len(points)])
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     span = np.maximum((high - low) * 1.08, _WIDE_M)
@@ -124,12 +126,14 @@ def plot_tracks(outcomes: Sequence[TrackOutcome], variants: Sequence[str]) -> Fi
     locator = svg.nice_step(2.0 * float(half[0]), 9)
     axes.xaxis.set_major_locator(MultipleLocator(locator))
     axes.yaxis.set_major_locator(MultipleLocator(locator))
+    if plan is not None:
+        draw_floor_plan(axes, plan)
     if len(outcomes[0].truth_m):
         east_m, north_m = outcomes[0].truth_m.T
         axes.plot(east_m, north_m, color=svg.MUTED, linewidth=1.0, dashes=(4, 2.5))
         axes.plot(east_m, north_m, "o", color=svg.PAPER, markeredgecolor=svg.MUTED, markersize=4.0)
     for one in outcomes:
-        _line(axes, one.position_m[:, 0], one.position_m[:, 1], variants.index(one.variant), linewidth=1.6)
+        _line(axes, one.drawn_m[:, 0], one.drawn_m[:, 1], variants.index(one.variant), linewidth=1.6)
     svg.label_axes(axes, "east (m)", "north (m)")
     return figure
 

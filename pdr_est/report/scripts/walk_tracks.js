@@ -14,6 +14,7 @@ function createWalkTracks(parts, data) {
   const map = createTrackMap(parts.map, {});
   const values = data.variants.map(() => makeElement('span', { className: 'value' }));
   const hidden = new Set();
+  const plans = data.plans.map((plan) => addMapBackground(map.leaflet, plan));
   const toggle = (name) => (on) => {
     if (on) hidden.delete(name); else hidden.add(name);
     map.show(name, on);
@@ -29,6 +30,7 @@ function createWalkTracks(parts, data) {
     const lines = data.variants.map((variant, i) => ({ name: variant.name, colour: variant.colour,
       weight: TRACK_WEIGHT_PX, dashes: variant.dashes.map((part) => TRACK_WEIGHT_PX * part), ...tracks[i] }));
     parts.title.textContent = data.nameOf(row);
+    plans.forEach((plan, i) => { if (i === data.plan_of[row]) plan.addTo(map.leaflet); else plan.remove(); });
     map.setTruth(truth.x_m.length ? truth : null);
     map.setVariants(lines.filter((line) => line.x_m.length));
     hidden.forEach((name) => map.show(name, false));
