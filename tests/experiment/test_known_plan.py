@@ -44,6 +44,7 @@ def test_the_metrics_are_those_of_the_track_with_start_and_plan(tmp_path, write_
     assert scores.values["error_plan_m"] == pytest.approx(expected_m)
     assert scores.values["outside_plan"] == pytest.approx(np.mean(plan.distance_outside_m(track.position_m) > 0.0))
     assert 0.0 <= scores.values["coverage95_plan"] <= 1.0
+    assert (walk.last_on_plan.position_m == track.position_m).all()
     assert "no fixes" in scores.missing["error_heldout_plan_m"]
 
 

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.report.comparison.comparison_data import comparison_data
+from pdr_est.report.comparison.plots import plot_tracks
 from pdr_est.report.inline_assets import inline_json
+from pdr_est.types.floor_plan import FloorPlan, WalkableArea
 from pdr_est.types.outcome import TrackOutcome
 
 METRICS = ("leg_length_mae_m", "own_metric")
@@ -48,6 +50,21 @@ def test_columns_have_one_value_for_each_walk_and_variant() -> None:
     assert own == {"name": "own_metric", "unit": "", "text": "", "ideal": None, "with_fixes": False}
     assert [len(column) for column in data["lines"]["tracks"]] == [2, 2]
     assert data["lines"]["tracks"][1][1] == ""
+
+
+def test_a_plan_stands_once_for_all_its_walks_and_the_tracks_are_those_that_know_it() -> None:
+    corners = np.array([(0.0, -1.0), (30.0, -1.0), (30.0, 1.0), (0.0, 1.0)])
+    hall, yard = (FloorPlan("p", (WalkableArea(size * corners),), np.zeros((0, 2, 2)), 0.2) for size in (1.0, 2.0))
+    on_plan = replace(outcome("a", "v", 1.0), on_plan_m=np.array([(0.0, 0.0), (12.0, 0.5)]))
+    outcomes = [on_plan, outcome("b", "v", 1.0), outcome("c", "v", 1.0), outcome("d", "v", 1.0)]
+    plans = {"a": hall, "b": yard, "d": replace(hall)}
+    data = comparison_data(outcomes, ("v",), METRICS, (), "own_metric", plans=plans)
+    assert data["plan_of"] == [0, 1, None, 0]
+    assert [one["kind"] for one in data["plans"]] == ["lines", "lines"]
+    drawn = plot_tracks([on_plan], ("v",), hall).axes[0]
+    assert len(drawn.patches) == 2  # shade and edge of the plan
+    assert drawn.lines[-1].get_xydata()[-1].tolist() == [12.0, 0.5]
+    assert described(outcomes)["plans"] == []
 
 
 def test_walks_can_be_filtered_by_every_property_that_differs() -> None:

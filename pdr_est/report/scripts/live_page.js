@@ -86,7 +86,8 @@ function showPlanOf(number) {
 /** Write the floor, by its name on the plans if it has one, and the height, such as 2, +7.1 ± 0.4 m. */
 function floorText({ floor, height_m, sigma_m }) {
   const known = livePlans.find((one) => one.floor === floor);
-  return `${known ? known.name : floor}, ${height_m < 0 ? '−' : '+'}${Math.abs(height_m).toFixed(1)} ± ${sigma_m.toFixed(1)} m`;
+  const height = `${height_m < 0 ? '−' : '+'}${Math.abs(height_m).toFixed(1)} ± ${sigma_m.toFixed(1)} m`;
+  return `${known ? known.name : floor}, ${height}`;
 }
 
 function sensorText({ name, rate_hz, samples }) {
