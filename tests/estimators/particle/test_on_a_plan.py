@@ -145,6 +145,18 @@ def test_north_and_a_corner_tell_an_unknown_start() -> None:
     assert np.trace(straight.covariance_m2[0]) > 4.0 * np.trace(track.covariance_m2[36])
 
 
+def test_a_plan_tells_the_direction_of_a_walk_that_knows_its_start() -> None:
+    """Of all directions, only one leads twenty-nine metres along the first corridor and then to the left."""
+    walk = [step(k, turn_rad=np.pi / 2.0 if k == 41 else 0.0) for k in range(1, 71)]
+    track = particles([*walk, ANGLE], StartPose((1.5, 0.0), None, 0.2))
+    assert track.on_plan
+    assert np.abs(track.heading_rad[5:40]).max() < 0.2
+    assert track.position_m[-1, 0] == pytest.approx(30.0, abs=1.0)
+    free = particles(walk, StartPose((1.5, 0.0), None, 0.2))
+    assert not free.on_plan
+    assert free.sigma_heading_rad[0] == 0.0  # it defines the frame
+
+
 def test_a_fix_outside_the_walls_moves_the_track_no_further_than_its_error() -> None:
     track = particles([*steps(40), fix(40, 30.0, 3.0, 1.0), CORRIDOR])
     assert abs(track.position_m[-1, 1]) <= 1.1
