@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from estimator_walks import DEVICE, SIGMA_SCALE, fix, heading_prior, step, usual_covariance
 
+import pdr_est
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.particle.online_filter import ParticleOnlineFilter
@@ -155,6 +156,17 @@ def test_a_plan_tells_the_direction_of_a_walk_that_knows_its_start() -> None:
     free = particles(walk, StartPose((1.5, 0.0), None, 0.2))
     assert not free.on_plan
     assert free.sigma_heading_rad[0] == 0.0  # it defines the frame
+
+
+def test_the_default_of_the_public_function_uses_a_plan_and_says_nothing_of_an_unknown_direction() -> None:
+    walk = [step(k, turn_rad=np.pi / 2.0 if k == 41 else 0.0) for k in range(1, 71)]
+    start = StartPose((1.5, 0.0), None, 0.2)
+    on_plan = pdr_est.estimate(walk, start=start, plan=ANGLE)
+    assert (on_plan.estimator, on_plan.findings) == ("particle", ())
+    assert on_plan.sigma_heading_rad.max() < 0.2
+    without = pdr_est.estimate(walk, start=start)
+    assert without.estimator == "factor-graph"
+    assert [finding.kind for finding in without.findings] == [FindingKind.START_HEADING]
 
 
 def test_a_fix_outside_the_walls_moves_the_track_no_further_than_its_error() -> None:
