@@ -179,8 +179,8 @@ class Track:
         path
             The file, usually `track.csv`.
         kind, estimator
-            Properties that the table does not hold. Nor does it hold `moving_from_s`: the walker counts as moving
-            all the time between two poses.
+            Properties that the table does not hold. Nor does it hold `on_plan` and `moving_from_s`: the walker counts
+            as moving all the time between two poses.
 
         Raises
         ------
