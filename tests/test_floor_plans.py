@@ -22,7 +22,9 @@ from pdr_est.types.measurements import DeviceMeasurements
 from pdr_est.types.track import Track
 
 WRONG_BY_RAD = 0.15
-START = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=WRONG_BY_RAD, sigma_heading_rad=0.25))
+START = Config(start=StartParams(x_m=0.0, y_m=0.0, heading_rad=WRONG_BY_RAD, sigma_heading_rad=0.25)).with_estimator(
+    "factor-graph"
+)
 
 
 @cache

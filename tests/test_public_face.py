@@ -238,7 +238,7 @@ class AlwaysEast:
 
 
 def test_an_unknown_estimator_is_refused() -> None:
-    with pytest.raises(pdr_est.EstimationError, match="unknown estimator 'kalman': choose one of dead-reckoning"):
+    with pytest.raises(pdr_est.EstimationError, match="unknown estimator 'kalman': choose one of auto, dead"):
         pdr_est.estimate(steps_of("phone", 0.0), estimator="kalman")
     with pytest.raises(pdr_est.ConfigError, match="has no estimate, spec"):
         pdr_est.estimate(steps_of("phone", 0.0), estimator=lambda: 3)

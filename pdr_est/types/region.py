@@ -1,4 +1,4 @@
-"""Where the walker may be at each pose of a track, as a mixture of normal distributions.
+"""Mixtures of normal distributions for the position at each pose of a track.
 
 Behind a fork, or round a corner, the positions that are possible lie at several places or on a bent line. Mean and
 covariance then describe an ellipse that reaches through walls, with its centre where nobody can be.

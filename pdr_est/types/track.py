@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from pdr_est.types.measurements import PositionFix
 
-_SHORTEST_PAUSE_S = 1e-3  # of a walker who stands; times are written to 1 µs
 _POSE_FIELDS = (
     "time_s",
     "moving_from_s",
@@ -73,6 +72,8 @@ class Track:
     region
         Mixture of normal distributions for each position, from estimators whose posterior need not be normal; None
         from all others, and where the mixture is not known.
+    on_plan
+        True if a floor plan kept the track off its walls, and tied it to the map.
     """
 
     time_s: Array
@@ -91,6 +92,7 @@ class Track:
     findings: tuple[Finding, ...] = ()
     height: HeightProfile | None = None
     region: PoseRegion | None = None
+    on_plan: bool = False
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -121,12 +123,8 @@ class Track:
         """Select the poses of one device."""
         return self.rows_where(self.device == device)
 
-    def rows_where(self, keep: NDArray[np.bool_]) -> "Track":
-        """Select the poses for which `keep` (n,) is true."""
-        return self._rows(keep)
-
-    def _rows(self, chosen: NDArray[np.bool_] | NDArray[np.int64] | NDArray[np.intp]) -> "Track":
-        """Select poses by a mask or by their indices, each of them as often as it stands there."""
+    def rows_where(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | NDArray[np.int64]) -> "Track":
+        """Select poses by a mask (n,) or by their indices, each as often as it is named."""
         columns: dict[str, Any] = {name: getattr(self, name)[chosen] for name in _POSE_FIELDS}
         return replace(self, **columns, region=None if self.region is None else self.region.rows(chosen))
 
@@ -181,8 +179,8 @@ class Track:
         path
             The file, usually `track.csv`.
         kind, estimator
-            Properties that the table does not hold. Nor does it hold `moving_from_s`: the walker counts as moving
-            all the time between two poses.
+            Properties that the table does not hold. Nor does it hold `on_plan` and `moving_from_s`: the walker counts
+            as moving all the time between two poses.
 
         Raises
         ------
@@ -256,30 +254,6 @@ def bracketing_poses(
     begin = np.maximum(moving_from_s[after], time_s[before])
     span = np.maximum(time_s[after] - begin, 1e-9)
     return before, after, np.clip((at_s - begin) / span, 0.0, 1.0)
-
-
-def with_standing_poses(track: Track) -> Track:
-    """Add a pose where the walker begins to move after standing, so that straight lines between poses say so.
-
-    Programs that know poses only interpolate between them, which would spread a step over the time before it.
-
-    Parameters
-    ----------
-    track
-        Track of one device.
-
-    Returns
-    -------
-    Track
-        The track with a copy of the pose before each pause at the end of the pause; the steps to them have no length.
-    """
-    stands = np.flatnonzero(track.moving_from_s[1:] > track.time_s[:-1] + _SHORTEST_PAUSE_S)
-    order = np.insert(np.arange(len(track)), stands + 1, stands)
-    added = stands + 1 + np.arange(len(stands))
-    rows = track._rows(order)
-    rows.time_s[added] = rows.moving_from_s[added] = track.moving_from_s[stands + 1]
-    rows.step_length_m[added] = 0.0
-    return rows
 
 
 def concatenate(tracks: Sequence[Track]) -> Track:

@@ -18,6 +18,7 @@ from pdr_est.report.background.reading import read_background
 from pdr_est.report.walk.result_files import write_results
 from pdr_est.simulate import preset, simulate_walk
 from pdr_est.types.recording import GeoOrigin
+from pdr_est.types.region import PoseRegion
 
 OpenPage = Callable[..., Page]
 ONE_PIXEL = "R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
@@ -203,6 +204,36 @@ def test_tiles_come_from_the_chosen_server_and_nowhere_else(tmp_path: Path, open
     assert abs((11.6 + 180.0) / 360.0 * 2**zoom - column) < 4.0
     assert abs(row / 2**zoom - 0.34678) < 0.001  # 48.2 degrees north
     assert "Map: tiles.example.org" in page.locator(".map-credit").inner_text()
+
+
+def test_a_pose_at_several_places_shows_all_of_them(tmp_path: Path, open_page: OpenPage) -> None:
+    recording = simulate_walk(preset("office_loop")).recording
+    config = replace(Config(), start=StartParams(x_m=0.0, y_m=0.0, heading_rad=0.0))
+    walk = pipeline.smooth_recording(recording, config)
+    region = PoseRegion.of_gaussians(walk.track.position_m, walk.track.covariance_m2)
+    late = slice(len(region) - 40, None)
+    region.weight[late, :2] = (0.7, 0.3)
+    region.mean_m[late, 1] = region.mean_m[late, 0] + np.array([0.0, -9.0])
+    region.covariance_m2[late, 1] = 2.0 * np.eye(2)
+    walk = replace(walk, track=replace(walk.track, region=region))
+    write_results(tmp_path, walk, recording, config, {})
+    page = open_page((tmp_path / "report.html").as_uri())
+    at_time = "(slider, time) => { slider.value = time; slider.dispatchEvent(new Event('input')); }"
+    page.locator(".time-slider").evaluate(at_time, 10)
+    assert "places" not in cell(page, 2)
+    page.locator(".time-slider").evaluate(at_time, float(walk.track.time_s[-5]))
+    assert cell(page, 2).replace("\u00a0", " ").endswith("; 2 places: 70 %, 30 %")
+    boxes = page.locator("#map-toggles input")
+    page.locator("#track-map").scroll_into_view_if_needed()
+    page.wait_for_timeout(300)
+    shown = page.locator("#track-map").screenshot()
+    boxes.first.uncheck()  # the 95 % regions
+    page.wait_for_timeout(300)
+    assert page.locator("#track-map").screenshot() != shown
+    box = page.locator("#track-map").bounding_box()
+    assert box is not None
+    _, lowest_m = pointed_place(page, box["x"] + 300.0, box["y"] + box["height"] - 2.0)
+    assert lowest_m < region.mean_m[-1, 1, 1] - 2.0  # the other places are in sight
 
 
 def test_numbers_are_written_for_reading(report: str, open_page: OpenPage) -> None:

@@ -68,6 +68,7 @@ def test_a_walk_on_its_plan(good: Path, tmp_path: Path) -> None:
     path = plan_file(tmp_path)
     options = ("--start", 0, 0, "--heading", 0, "--plan", path)
     result = smoothed(good, tmp_path / "out", *options)
+    assert "estimator: particle, the default with a floor plan, because it keeps the track on it" in result.stdout
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
     assert summary["floor_plan"]["name"] == "hall"
     assert summary["floor_plan"]["walkable_m2"] == pytest.approx(475.0)
@@ -77,7 +78,21 @@ def test_a_walk_on_its_plan(good: Path, tmp_path: Path) -> None:
     assert "walkable floor" in page
     assert '"kind": "lines"' in page.replace('"kind":"lines"', '"kind": "lines"')
     assert "475 m² walkable; 0.0 % of the poses lie outside" in page
-    assert "factor-graph takes only the directions of the walls from the floor plan" in result.stderr
+    assert (summary["estimator"], summary["frame"]) == ("particle", "map")
+    assert "particle (smoothed): the default with a floor plan" in page
+    chosen = smoothed(good, tmp_path / "chosen", *options, "--estimator", "factor-graph")
+    assert "factor-graph takes only the directions of the walls from the floor plan" in chosen.stderr
+    assert "estimator:" not in chosen.stdout
+    written = json.loads((tmp_path / "chosen" / "summary.json").read_text(encoding="utf-8"))
+    assert (written["estimator"], written["estimator_meaning"]) == ("factor-graph", "chosen")
+
+
+def test_without_a_plan_the_default_is_the_factor_graph(good: Path, tmp_path: Path) -> None:
+    result = run("smooth", good, "-o", tmp_path / "out", "--no-report")
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert (summary["estimator"], summary["estimator_meaning"]) == ("factor-graph", "the default")
+    assert summary["config"]["estimator"]["name"] == "auto"
+    assert "estimator:" not in result.stdout
 
 
 def test_a_plan_in_degrees_gives_the_walk_its_place_on_the_earth(good: Path, tmp_path: Path) -> None:

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from cli_runs import refused, run
 
+from pdr_est.io.floor_plans.reading import read_floor_plan
 from pdr_est.io.formats.plain_csv.writer import write_plain_csv
 from pdr_est.simulate import DeviceParams, HeldPhone, PocketPhone, Scenario, WalkerGaitParams, simulate_walk
 from pdr_est.simulate.walker.walking_path import PathParams
 from pdr_est.types.recording import DeviceRecording, Recording
+from pdr_est.types.track import Track
 
 pytestmark = pytest.mark.usefixtures("without_report")
 
@@ -143,3 +145,25 @@ def test_walks_of_two_people_are_refused_unless_forced(phones: tuple[Path, Path]
     assert line.startswith(f"{phones[0]}, {other}: hand and stranger: no shift of the clocks makes their steps ")
     assert "smooth them one by one, or use --clock none" in line
     assert run("smooth", phones[0], other, "-o", tmp_path / "forced", "--clock", "none").exit_code == 0
+
+
+def test_both_phones_and_the_person_stay_on_the_floor_plan(phones: tuple[Path, Path], tmp_path: Path) -> None:
+    pytest.importorskip("shapely")
+    corridor = [[-3, -1], [37, -1], [37, 18], [34, 18], [34, 1], [-3, 1], [-3, -1]]
+    floor_piece = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [corridor]}}
+    plan = {"type": "FeatureCollection", "coordinate_unit": "metre", "features": [floor_piece]}
+    (tmp_path / "plan.geojson").write_text(json.dumps(plan), encoding="utf-8")
+    smooth_both(phones, tmp_path / "out", "--start", 0, 0, "--heading", 0, "--plan", tmp_path / "plan.geojson")
+    track = Track.from_csv(tmp_path / "out" / "track.csv")
+    assert track.devices == ("hand", "pocket", "fused")
+    assert track.region is not None
+    assert len(track.region) == len(track)
+    floor = read_floor_plan(tmp_path / "plan.geojson")
+    assert {name: floor.contains(track.of_device(name).position_m).mean() > 0.95 for name in track.devices} == {
+        "hand": True,
+        "pocket": True,
+        "fused": True,
+    }
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert (summary["estimator"], summary["frame"]) == ("particle", "map")
+    assert [device["places"]["share_of_poses_with_several"] <= 1.0 for device in summary["devices"]] == [True] * 3

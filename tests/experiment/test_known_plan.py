@@ -58,6 +58,12 @@ def test_the_benchmark_reads_the_map_beside_a_recording(tmp_path, write_ilc20):
     assert row["outside_plan"] <= 0.05  # the walk begins on the southern wall
     assert row["error_heldout_plan_m"] == pytest.approx(row["error_heldout_m"], abs=0.5)
     assert document["summary"]["error_plan_m"]["n"] == 1
+    assert (document["estimator"], document["estimator_on_plan"]) == ("factor-graph", "particle")
+    chosen = run_benchmark("ilc20", tmp_path, comparison_on_axis(HELD, values=("factor-graph", "particle"))).to_dict()
+    assert "estimator_on_plan" not in chosen
+    graph, particle = chosen["walks"]
+    assert row["error_plan_m"] == particle["error_plan_m"] != graph["error_plan_m"]
+    assert row["error_start_m"] == graph["error_start_m"] != particle["error_start_m"]
 
 
 def test_a_plan_that_cannot_be_used_costs_its_own_metrics_and_is_told(tmp_path, write_ilc20):

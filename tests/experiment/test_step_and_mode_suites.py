@@ -56,7 +56,7 @@ def test_oxford_steps_are_compared_with_the_contacts_whatever_their_delay(tmp_pa
     # Three contacts are missing: 30 detected steps against 27.
     assert pocket["count_error"] == pytest.approx(3 / 27)
     assert (pocket["step_precision"], pocket["step_recall"]) == (pytest.approx(27 / 30), 1.0)
-    assert document["estimator"] == Config().estimator.name
+    assert document["estimator"] == "factor-graph"
     assert document["groups"].keys() == {"FrontPocket", "InHand"}
 
 

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,19 @@ def test_each_value_of_an_axis_can_be_chosen_and_changes_nothing_else(axis):
     for name in axis.values:
         config = axis.with_value(Config(), name)
         assert axis.value_in(config) == name
-        assert axis.with_value(config, default) == Config()
+        back = axis.with_value(config, default)
+        assert axis.value_in(back) == default
+        assert replace(back, estimator=Config().estimator) == Config()
+
+
+def test_the_default_estimator_is_another_one_on_a_plan_and_a_chosen_one_is_not():
+    default = comparison_from_options(Config(), {}).main
+    assert (default.name, default.automatic_on_plan) == ("factor-graph", "particle")
+    chosen = comparison_from_options(Config(), {"estimator": "factor-graph"}).main
+    assert (chosen.name, chosen.automatic_on_plan) == ("factor-graph", None)
+    every = comparison_from_options(Config(), {"estimator": "all"})
+    assert every.main.name == "factor-graph"
+    assert {variant.automatic_on_plan for variant in every.variants} == {None}
 
 
 def test_the_textbook_front_end_is_that_of_its_file():
@@ -46,7 +59,7 @@ def test_a_single_choice_is_the_axis_that_is_shown():
     comparison = comparison_from_options(Config(), {"estimator": None, "detector": "mmpdr"})
     assert (comparison.axis, comparison.names) == ("detector", ("mmpdr",))
     settings = comparison.main.settings()
-    assert (settings["estimator"], settings["detector"]) == (Config().estimator.name, "mmpdr")
+    assert (settings["estimator"], settings["detector"]) == ("factor-graph", "mmpdr")
 
 
 @pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)

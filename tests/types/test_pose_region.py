@@ -9,9 +9,10 @@ import pytest
 import pdr_est
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.writers.standing_poses import with_standing_poses
 from pdr_est.types.region import PoseRegion, ellipses_of_poses
 from pdr_est.types.steps import CarryingMode
-from pdr_est.types.track import Track, concatenate, with_standing_poses
+from pdr_est.types.track import Track, concatenate
 from pdr_est.types.track_output.table import REGION_COLUMNS
 
 UNUSED = np.full((2, 2), np.nan)

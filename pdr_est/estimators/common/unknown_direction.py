@@ -37,7 +37,7 @@ def tells_direction(measurement: object) -> bool:
 
 
 def with_unknown_direction(track: Track, devices: Sequence[DeviceMeasurements], start: StartPose) -> Track:
-    """Return a track with the uncertainty of its direction, if nothing tells it.
+    """Return a track with the uncertainty of its direction, if nothing tells it: neither measurements nor a plan.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def with_unknown_direction(track: Track, devices: Sequence[DeviceMeasurements], 
     devices, start
         What the estimator was given.
     """
-    if start.position_m is None or not direction_is_unknown(devices, start):
+    if start.position_m is None or track.on_plan or not direction_is_unknown(devices, start):
         return track
     return replace(
         track,

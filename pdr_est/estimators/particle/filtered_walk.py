@@ -11,7 +11,7 @@ from pdr_est.estimators.common.tethers import NodeTether, PairTether
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.particle.backward import Block
 from pdr_est.estimators.particle.cloud import Cloud
-from pdr_est.estimators.particle.initial_cloud import initial_cloud, spread_over_plan
+from pdr_est.estimators.particle.initial_cloud import initial_cloud, spread_over_plan, turned_anywhere
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.plan_grid import Window
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
@@ -116,12 +116,15 @@ def _start(walk: WalkInput, plan: PlanModel | None, rng: np.random.Generator) ->
     ]
     nodes = [one.nodes for one in walk.timelines]
     count = walk.parameters.most_particles
+    known = walk.start.heading_rad is not None or any(one.observes_heading for one in walk.timelines)
+    any_direction = plan is not None and not known  # without a plan, the direction of the walk defines the frame
     anywhere = plan is not None and walk.start.position_m is None and not any(one.position_open for one in priors)
     if anywhere and plan is not None:
         count = plan.particles_anywhere(walk.parameters)
-    elif any(one.heading_open or one.position_open for one in priors):
+    elif any_direction or any(one.heading_open or one.position_open for one in priors):
         count *= 2
     cloud = initial_cloud(priors, nodes, count, rng)
+    cloud = turned_anywhere(cloud, rng) if any_direction else cloud
     return spread_over_plan(cloud, plan.grid, rng) if anywhere and plan is not None else cloud
 
 

@@ -83,6 +83,12 @@ def spread_over_plan(cloud: Cloud, grid: PlanGrid, rng: np.random.Generator) -> 
     return replace(cloud, state=state)
 
 
+def turned_anywhere(cloud: Cloud, rng: np.random.Generator) -> Cloud:
+    """Return a cloud whose walks so far are turned about their starts to every direction."""
+    uniform = 2.0 * np.pi * (rng.permutation(len(cloud)) + rng.random(len(cloud))) / len(cloud) - np.pi
+    return _turned(cloud, uniform)
+
+
 def turned_to_heading(cloud: Cloud, device: int, prior: HeadingPrior, rng: np.random.Generator) -> Cloud:
     """Return a cloud in which a heading tells the direction of the walk, of which nothing was known before.
 
@@ -100,8 +106,7 @@ def placed_at_fix(
     A direction that is open may be any; a position that is open is that of the fix, up to its error.
     """
     if heading_open:
-        uniform = 2.0 * np.pi * (rng.permutation(len(cloud)) + rng.random(len(cloud))) / len(cloud) - np.pi
-        cloud = _turned(cloud, uniform)
+        cloud = turned_anywhere(cloud, rng)
     if not position_open:
         return cloud
     root = np.linalg.cholesky(np.asarray(fix.total_covariance_m2, dtype=np.float64))

@@ -96,9 +96,10 @@ def _smoothed(walk: WalkInput, plans: PlansInTime | None, filtered: ParticleWalk
     rng = np.random.default_rng([walk.parameters.seed, 1])
     closed = [one.closure_sigma_m is not None for one in walk.timelines]
     poses, log_scale = simulate_backward(filtered.blocks, closed, walk.parameters.paths, rng)
-    return concatenate(
+    track = concatenate(
         [
             track_of_paths(timeline, own, scale, plans)
             for timeline, own, scale in zip(walk.timelines, poses, log_scale, strict=True)
         ]
     )
+    return replace(track, on_plan=plans is not None)

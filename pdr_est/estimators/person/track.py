@@ -61,6 +61,7 @@ def fuse(track: Track) -> Track:
         estimator=track.estimator,
         length_scale=track.length_scale,
         sigma_length_scale=track.sigma_length_scale,
+        on_plan=track.on_plan,
         region=_region(tracks, time_s, present, position, covariance),
     )
 

@@ -57,7 +57,7 @@ def findings_of(
     """
     found: list[Finding | None] = []
     known = {finding.kind for finding in track.findings}
-    if FindingKind.START_HEADING not in known:
+    if FindingKind.START_HEADING not in known and not track.on_plan:
         found.append(unknown_direction_finding(devices, start))
     if FindingKind.LENGTH_SCALE not in known:
         found.append(track_scale_finding(track, devices, start, sigma_length_scale))

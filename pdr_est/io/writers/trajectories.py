@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from pdr_est.frames import Array, wrap_angle
+from pdr_est.io.writers.standing_poses import with_standing_poses
 from pdr_est.output.atomic_output import text_output
 from pdr_est.types.ground_truth import TruePositions
-from pdr_est.types.track import Track, with_standing_poses
+from pdr_est.types.track import Track
 
 ISO21134_COLUMNS = ("timestamp", "x", "y", "yaw", "floor")
 

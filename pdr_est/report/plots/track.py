@@ -75,7 +75,7 @@ def plot_track(
         Floor plan to draw below, as far as it reaches into the picture, in the same frame as the track.
     """
     tracks = [track.of_device(name) for name in track.devices]
-    shown = [select_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
+    shown = [_shown_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
     window = _window(tracks, shown, fixes, truth_m)
     figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
     axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
@@ -84,11 +84,10 @@ def plot_track(
         draw_floor_plan(axes, plan)
     alone = len(tracks) == 1
     draw_findings(axes, track)
-    for number, (one, chosen) in enumerate(zip(tracks, shown, strict=True)):
+    for number, ellipses in enumerate(shown):
         colour = svg.MUTED if alone else svg.device_colour(number)
-        ellipses = ellipses_of_poses(one.position_m, one.covariance_m2, one.region)
-        for k in np.flatnonzero(np.isin(ellipses.pose, chosen)):
-            _ellipse(axes, ellipses.centre_m[k], ellipses.covariance_m2[k], colour)
+        for centre_m, covariance_m2 in ellipses:
+            _ellipse(axes, centre_m, covariance_m2, colour)
     if truth_m is not None and len(truth_m):
         _truth(axes, truth_m)
     _lines(axes, tracks, 0.022 * window.width)
@@ -122,8 +121,15 @@ def select_ellipses(track: Track, count: int) -> list[int]:
     return chosen[::-1]
 
 
+def _shown_ellipses(track: Track, count: int) -> list[tuple[Array, Array]]:
+    """Return centre and covariance of the ellipses of the chosen poses, several for a pose at several places."""
+    found = ellipses_of_poses(track.position_m, track.covariance_m2, track.region)
+    chosen = np.flatnonzero(np.isin(found.pose, select_ellipses(track, count)))
+    return [(found.centre_m[k], found.covariance_m2[k]) for k in chosen]
+
+
 def _window(
-    tracks: list[Track], shown: list[list[int]], fixes: tuple[PositionFix, ...], truth_m: Array | None
+    tracks: list[Track], shown: list[list[tuple[Array, Array]]], fixes: tuple[PositionFix, ...], truth_m: Array | None
 ) -> MapWindow:
     """Find the part of the map that holds everything.
 
@@ -137,11 +143,10 @@ def _window(
     low, high = (cloud.min(axis=0), cloud.max(axis=0)) if len(cloud) else (np.zeros(2), np.zeros(2))
     room = max(0.25 * float((high - low).max()), SMALLEST_SPAN_M / 2.0)
     wide_low, wide_high = low.copy(), high.copy()
-    for track, chosen in zip(tracks, shown, strict=True):
-        for i in chosen:
-            reach = np.sqrt(CHI2_95_2D * np.diagonal(track.covariance_m2[i]))
-            wide_low = np.minimum(wide_low, track.position_m[i] - reach)
-            wide_high = np.maximum(wide_high, track.position_m[i] + reach)
+    for centre_m, covariance_m2 in (one for ellipses in shown for one in ellipses):
+        reach = np.sqrt(CHI2_95_2D * np.diagonal(covariance_m2))
+        wide_low = np.minimum(wide_low, centre_m - reach)
+        wide_high = np.maximum(wide_high, centre_m + reach)
     low, high = np.maximum(wide_low, low - room), np.minimum(wide_high, high + room)
     middle = (low + high) / 2.0
     span = np.maximum((high - low) * 1.08, SMALLEST_SPAN_M)

@@ -222,14 +222,14 @@ function extendByEllipses(bounds, devices) {
   const room = 0.25 * Math.max(north - south, east - west);
   const within = (value, low, high) => Math.min(Math.max(value, low), high);
   for (const { poses } of devices) {
-    poses.x_m.forEach((x, i) => {
-      const [across, up] = [poses.cxx_m2[i], poses.cyy_m2[i]].map((variance) => Math.sqrt(CHI2_95 * variance));
-      if (!Number.isFinite(across + up)) return;
+    for (const one of Array.from(poses.x_m, (_, i) => poses.ellipsesOf(i)).flat()) {
+      const [across, up] = [one.cxx_m2, one.cyy_m2].map((variance) => Math.sqrt(CHI2_95 * variance));
+      if (!Number.isFinite(across + up)) continue;
       for (const sign of [-1, 1]) {
-        bounds.extend([within(poses.y_m[i] + sign * up, south - room, north + room),
-          within(x + sign * across, west - room, east + room)]);
+        bounds.extend([within(one.y_m + sign * up, south - room, north + room),
+          within(one.x_m + sign * across, west - room, east + room)]);
       }
-    });
+    }
   }
 }
 

@@ -2,7 +2,7 @@
 
 import math
 
-from pdr_est.estimators import AUTO
+from pdr_est.estimators import AUTO, automatic_name
 from pdr_est.types.analysis import DominantDirections
 from pdr_est.types.track import Track
 
@@ -38,23 +38,24 @@ def _odds(log_odds: float) -> str:
     return f"{more}{text}:1"
 
 
-def describe_choice(name: str, on_plan: bool) -> str:
+def describe_choice(name: str, used: str) -> str:
     """Describe why an estimator was used.
 
     Parameters
     ----------
     name : str
         Name in the configuration.
-    on_plan : bool
-        True for a walk with a floor plan.
+    used : str
+        Name of the estimator that was used.
     """
     if name != AUTO:
         return "chosen"
+    on_plan = used == automatic_name(on_plan=True)
     return "the default with a floor plan, because it keeps the track on it" if on_plan else "the default"
 
 
 def describe_length_scale(track: Track, with_fixes: bool, with_profile: bool) -> str:
-    """Describe how the length scale of a track is known; without fixes it stays at its prior.
+    """Describe how the length scale of a track is known; without fixes and floor plan it stays at its prior.
 
     Parameters
     ----------
@@ -67,11 +68,12 @@ def describe_length_scale(track: Track, with_fixes: bool, with_profile: bool) ->
     """
     reference = "the profile" if with_profile else "the length model"
     sigma = f"± {100.0 * track.sigma_length_scale:.1f} %" if math.isfinite(track.sigma_length_scale) else "± unknown"
-    if not with_fixes:
+    if not with_fixes and not track.on_plan:
         return f"not estimated without fixes: steps of {reference}, {sigma}"
     percent = 100.0 * (track.length_scale - 1.0)
     longer = "longer" if percent >= 0.0 else "shorter"
-    return f"estimated from the fixes: steps {abs(percent):.1f} % {longer} than those of {reference}, {sigma}"
+    source = " and ".join(["the fixes"] * with_fixes + ["the floor plan"] * track.on_plan)
+    return f"estimated from {source}: steps {abs(percent):.1f} % {longer} than those of {reference}, {sigma}"
 
 
 def describe_frame(frame: str, with_place: bool) -> str:

@@ -86,9 +86,7 @@ def summarise(
         "recording": _recording(recording),
         "inputs": [{"name": name, "sha256": digest} for name, digest in inputs.items()],
         "estimator": track.estimator,
-        "estimator_meaning": describe_choice(
-            config_dict.get("estimator", {}).get("name", AUTO), walk.plan is not None
-        ),
+        "estimator_meaning": describe_choice(config_dict.get("estimator", {}).get("name", AUTO), track.estimator),
         "kind": track.kind,
         **_frame(walk, start),
         "duration_s": _duration_s(walk),
@@ -205,14 +203,14 @@ def _truth(truth: Truth) -> Json:
 def _frame(walk: SmoothedWalk, start: StartPose | None) -> Json:
     """Name the frame, and describe it.
 
-    "map" when position and direction are tied to the map; "north-up" when the direction alone is, by the phone's
-    knowledge of north; else "own".
+    "map" when position and direction are tied to the map, by a floor plan among others; "north-up" when the direction
+    alone is, by the phone's knowledge of north; else "own".
     """
     places = _places(walk, start)
     smoothed = walk.track.kind != "filtered"
     north = bool(walk.devices) and all(one.knows_north(by_the_end=smoothed) for one in walk.devices)
     directed = north or (start is not None and start.heading_rad is not None)
-    frame = "map" if len(places) >= (1 if directed else 2) else "north-up" if north else "own"
+    frame = "map" if walk.track.on_plan or len(places) >= (1 if directed else 2) else "north-up" if north else "own"
     return {"frame": frame, "frame_meaning": describe_frame(frame, bool(places))}
 
 

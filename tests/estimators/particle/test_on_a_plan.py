@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from estimator_walks import DEVICE, SIGMA_SCALE, fix, heading_prior, step, usual_covariance
 
+import pdr_est
 from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.particle.online_filter import ParticleOnlineFilter
@@ -143,6 +144,29 @@ def test_north_and_a_corner_tell_an_unknown_start() -> None:
     assert track.position_m[-1, 0] == pytest.approx(30.0, abs=1.0)
     straight = particles([*steps(30), heading_prior(1, 0.0, 0.1), ANGLE], StartPose())
     assert np.trace(straight.covariance_m2[0]) > 4.0 * np.trace(track.covariance_m2[36])
+
+
+def test_a_plan_tells_the_direction_of_a_walk_that_knows_its_start() -> None:
+    """Of all directions, only one leads twenty-nine metres along the first corridor and then to the left."""
+    walk = [step(k, turn_rad=np.pi / 2.0 if k == 41 else 0.0) for k in range(1, 71)]
+    track = particles([*walk, ANGLE], StartPose((1.5, 0.0), None, 0.2))
+    assert track.on_plan
+    assert np.abs(track.heading_rad[5:40]).max() < 0.2
+    assert track.position_m[-1, 0] == pytest.approx(30.0, abs=1.0)
+    free = particles(walk, StartPose((1.5, 0.0), None, 0.2))
+    assert not free.on_plan
+    assert free.sigma_heading_rad[0] == 0.0  # it defines the frame
+
+
+def test_the_default_of_the_public_function_uses_a_plan_and_says_nothing_of_an_unknown_direction() -> None:
+    walk = [step(k, turn_rad=np.pi / 2.0 if k == 41 else 0.0) for k in range(1, 71)]
+    start = StartPose((1.5, 0.0), None, 0.2)
+    on_plan = pdr_est.estimate(walk, start=start, plan=ANGLE)
+    assert (on_plan.estimator, on_plan.findings) == ("particle", ())
+    assert on_plan.sigma_heading_rad.max() < 0.2
+    without = pdr_est.estimate(walk, start=start)
+    assert without.estimator == "factor-graph"
+    assert [finding.kind for finding in without.findings] == [FindingKind.START_HEADING]
 
 
 def test_a_fix_outside_the_walls_moves_the_track_no_further_than_its_error() -> None:

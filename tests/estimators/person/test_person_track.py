@@ -7,6 +7,7 @@ import pytest
 
 from pdr_est.estimators.person.track import NAME, at_lever_arm, fuse
 from pdr_est.frames import Array
+from pdr_est.types.region import PoseRegion
 from pdr_est.types.steps import CarryingMode
 from pdr_est.types.track import Track, concatenate
 
@@ -48,6 +49,35 @@ def test_a_bad_device_has_little_say() -> None:
     person = fuse(concatenate([track("a", STEPS_S, 0.0, 0.1), track("b", STEPS_S, 11.0, 1.0)]))
     np.testing.assert_allclose(person.position_m[:, 1], 1.0, rtol=1e-6)  # information 10 to 1
     assert np.all(person.covariance_m2[:, 0, 0] < 0.2)
+
+
+def test_the_person_may_be_where_the_better_known_device_may_be() -> None:
+    def forked(one: Track, apart_m: float) -> Track:
+        """Give the last pose two places."""
+        region = PoseRegion.of_gaussians(one.position_m, one.covariance_m2)
+        region.weight[-1, :2] = (0.6, 0.4)
+        region.mean_m[-1, 1] = one.position_m[-1] + np.array([0.0, apart_m])
+        region.covariance_m2[-1, 1] = 0.2 * np.eye(2)
+        return replace(one, region=region, on_plan=True)
+
+    good, bad = forked(track("a", STEPS_S), 8.0), forked(track("b", STEPS_S, variance=1.0), 5.0)
+    person = fuse(concatenate([bad, good]))
+    assert person.on_plan
+    assert person.region is not None
+    assert person.region.components.tolist() == [1] * (len(STEPS_S) - 1) + [2]
+    assert person.region.mean_m[-1, :2, 1] == pytest.approx([0.0, 8.0])
+    assert person.region.mean_m[3, 0] == pytest.approx(person.position_m[3])
+    assert person.region.covariance_m2[3, 0] == pytest.approx(person.covariance_m2[3])
+    assert fuse(concatenate([track("a", STEPS_S), track("b", STEPS_S)])).region is None
+
+
+def test_a_lever_arm_moves_the_region_too() -> None:
+    one = track("a", STEPS_S)
+    one = replace(one, region=PoseRegion.of_gaussians(one.position_m, one.covariance_m2))
+    moved = at_lever_arm(one, (0.0, 0.5))
+    assert moved.region is not None
+    np.testing.assert_allclose(moved.region.mean_m[:, 0], moved.position_m)
+    np.testing.assert_allclose(moved.position_m[:, 1], 0.5)
 
 
 def test_headings_either_side_of_west() -> None:

@@ -1,1 +1,1 @@
-"""What the paths that a smoother draws say of a pose."""
+"""Summaries of the paths that the smoother draws: tracks, and mixtures for their poses."""

@@ -4,7 +4,8 @@ The points of a pose are divided across the longer or the shorter axis of their 
 distributions describe them best, and one of the parts once more. A division is kept if the joint probability of the
 points and their parts gains more than the parameters of one more distribution cost (integrated completed likelihood).
 Two distributions that overlap by more than a little count as one, because the parts lose the tails: a normal sample
-that is divided in its middle loses a fifth of a unit of log-likelihood for each point.
+that is divided in its middle loses a fifth of a unit of log-likelihood for each point. Paths that share a part of
+their way are fewer than they seem, so that a division has to gain something for each point, too.
 
 References
 ----------
@@ -21,12 +22,9 @@ from pdr_est.types.region import MOST_COMPONENTS, PoseRegion
 _ONE_PLACE_M = 0.5  # standard deviation up to which the points are not divided: nobody asks which side it is
 _LEAST_SHARE = 0.05  # of the points in a part: what is less probable is no part of a region of 95 %
 _LEAST_POINTS = 5  # in a part
-_LEAST_VARIANCE_M2 = 0.1**2  # of a part: what is closer together is one place
+_LEAST_VARIANCE_M2 = _ONE_PLACE_M**2  # of a part: a few paths that went the same way are no place of their own
 _PARAMETERS = 6.0  # of one component more: weight, mean, covariance
-_LEAST_GAIN = (
-    0.2  # for each point, too: about the logarithm by which a region gets smaller; paths that share a part of
-)
-# their way are fewer than they seem (ours)
+_LEAST_GAIN = 0.2  # of log-likelihood for each point, besides: the region gets a fifth smaller (ours)
 
 
 def fitted_region(points_m: Array, position_m: Array, covariance_m2: Array) -> PoseRegion:
