@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pdr_est.frames import Array
 from pdr_est.types.findings import Finding
 from pdr_est.types.height import HeightProfile
+from pdr_est.types.on_plan.places import PlaceSearch
 from pdr_est.types.region import PoseRegion, joined_regions
 from pdr_est.types.track_output import table as track_table
 
@@ -74,6 +75,8 @@ class Track:
         from all others, and where the mixture is not known.
     on_plan
         True if a floor plan kept the track off its walls, and tied it to the map.
+    places
+        Search for the place of a walk that may have begun anywhere on its floor plan; None for other walks.
     """
 
     time_s: Array
@@ -93,6 +96,7 @@ class Track:
     height: HeightProfile | None = None
     region: PoseRegion | None = None
     on_plan: bool = False
+    places: PlaceSearch | None = None
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -151,10 +155,7 @@ class Track:
         covariance_m2 : Array
             (k, 2, 2) m².
 
-        Raises
-        ------
-        ValueError
-            If the track has several devices.
+        Raises ValueError if the track has several devices.
         """
         if len(self.devices) > 1:
             raise ValueError(f"the track has several devices {self.devices}: choose one with of_device()")
@@ -196,10 +197,7 @@ class Track:
     def to_pandas(self) -> "pandas.DataFrame":
         """Return the track table as a pandas data frame, numbers not rounded.
 
-        Raises
-        ------
-        OutputError
-            If pandas is not installed.
+        Raises OutputError if pandas is not installed.
         """
         return track_table.to_pandas(self)
 

@@ -152,3 +152,23 @@ def test_plans_that_do_not_fit_are_refused_in_one_line(good: Path, tmp_path: Pat
     assert "its floor has no name" in smooth_refused(good, tmp_path / "c", "--plan", path, "--floor", "F1")
     crossing = plan_file(tmp_path, feature([[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]))
     assert "crosses itself at (4.5, 4.5)" in smooth_refused(good, tmp_path / "d", "--plan", crossing)
+
+
+def test_a_walk_without_a_start_tells_its_places(good: Path, tmp_path: Path) -> None:
+    result = smoothed(good, tmp_path / "hall", "--plan", plan_file(tmp_path), "--estimator", "particle")
+    summary = json.loads((tmp_path / "hall" / "summary.json").read_text(encoding="utf-8"))
+    search = summary["place_search"]
+    assert summary["frame"] == "map"
+    assert search["unique_since"] is None
+    assert sum(mode["probability"] for mode in search["end"]["modes"]) > 0.9
+    assert "warning: the place on the plan is not decided" in result.stderr
+    page = (tmp_path / "hall" / "report.html").read_text(encoding="utf-8")
+    assert "Places on the plan where the walk may have been" in page
+    assert "places by the measurements until then" in page
+
+
+def test_the_only_place_that_fits_a_walk_is_printed(good: Path, tmp_path: Path) -> None:
+    corridor = plan_file(tmp_path, feature([[0, 0], [14, 0], [14, 3], [0, 3], [0, 0]]))
+    result = smoothed(good, tmp_path / "out", "--plan", corridor, "--heading", 0, "--estimator", "particle")
+    assert "the place on the plan was found after" in result.stdout
+    assert "not decided" not in result.stderr

@@ -89,7 +89,7 @@ def smooth_walks(
             click.echo(
                 f"estimator: {summary['estimator']}, {summary['estimator_meaning']}; --estimator chooses another"
             )
-        for line in (*result.left_out, *result.words):
+        for line in (*result.found_place, *result.left_out, *result.words):
             click.echo(line)
 
 

@@ -109,6 +109,12 @@ class SmoothedFolder:
         return (f"not written: {', '.join(reasons)}; {next(iter(reasons.values()))}",)
 
     @property
+    def found_place(self) -> tuple[str, ...]:
+        """Line about the place of a walk on its plan, where it was found without a start."""
+        search = self.summary["place_search"]
+        return () if search is None or search["unique_since"] is None else (search["words"],)
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """Doubts about the walk, in words."""
         doubtful = isinstance(self.learnt, NotLearnt) and self.learnt.doubtful

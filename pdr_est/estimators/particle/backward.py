@@ -92,7 +92,7 @@ def simulate_backward(
             block_motions(nodes) if nodes and here else []
             for nodes, here in zip(block.nodes, block.present, strict=True)
         ]
-        cloud, plan = _thinned(before.cloud, rng), block.plan
+        cloud, plan = thinned_cloud(before.cloud, rng), block.plan
         candidates = _candidates(cloud, path, final, motions, closed, 1 if plan is None else _CANDIDATES, rng)
         between = _ways(cloud.state[:, candidates], path, motions)
         best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, rng)
@@ -110,7 +110,7 @@ def simulate_backward(
     return [np.concatenate(own[::-1]) for own in poses], final[LOG_SCALE::DEVICE_ROWS][: last.devices]
 
 
-def _thinned(cloud: Cloud, rng: np.random.Generator) -> Cloud:
+def thinned_cloud(cloud: Cloud, rng: np.random.Generator) -> Cloud:
     """Return a cloud of no more particles than predecessors are sought among, equally probable ones."""
     if len(cloud) <= _MOST_PARTICLES:
         return cloud

@@ -9,15 +9,18 @@ from pdr_est.estimators.common.initial_state import late_start_donor, start_prio
 from pdr_est.estimators.common.nodes import SAME_S, Node
 from pdr_est.estimators.common.tethers import NodeTether, PairTether
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.particle.backward import Block
+from pdr_est.estimators.particle.backward import Block, thinned_cloud
 from pdr_est.estimators.particle.cloud import Cloud
 from pdr_est.estimators.particle.initial_cloud import initial_cloud, spread_over_plan, turned_anywhere
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.plan.plan_grid import Window
+from pdr_est.estimators.particle.places.modes import begins_anywhere, places_at
+from pdr_est.estimators.particle.places.start_region import particles_in_region
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
 from pdr_est.estimators.particle.walk_filter import PlanFit, WalkFilter
 from pdr_est.types.measurements import LATE_START_S, StartPose
+from pdr_est.types.on_plan.places import PlacesAt
 
 _BLOCK_NODES = 4  # of each device in a block
 _SURELY = 1.3  # of the length of a walk, beyond which no particle gets
@@ -51,26 +54,50 @@ class WalkInput:
 
 @dataclass(frozen=True)
 class ParticleWalk:
-    """Blocks of a filtered walk, the start first, and how well it keeps to the plans."""
+    """Filtered walk.
+
+    Attributes
+    ----------
+    blocks
+        Blocks, the start first. Of a walk that may begin anywhere they hold few of the particles, except the last.
+    fit
+        How well the walk keeps to the plans.
+    places
+        Places on the plan after each block of a walk that may begin anywhere on it; none of others.
+    """
 
     blocks: tuple[Block, ...]
     fit: PlanFit
+    places: tuple[PlacesAt, ...] = ()
 
 
-def filter_by_particles(walk: WalkInput, plans: PlansInTime | None) -> ParticleWalk:
-    """Filter a walk from its start to its end, on the plan of the floor of each time."""
+def filter_by_particles(walk: WalkInput, plans: PlansInTime | None, begun: PlanGrid | None = None) -> ParticleWalk:
+    """Filter a walk from its start to its end, on the plan of the floor of each time.
+
+    Parameters
+    ----------
+    walk
+        The walk.
+    plans
+        Plans of the floors, or None.
+    begun
+        Where a walk that may begin anywhere on the plan can have begun, if that is known; None for the whole plan.
+    """
     rng = np.random.default_rng(walk.parameters.seed)
     events, begun_s = _events(walk.timelines)
     plan = None if plans is None else plans.at(begun_s)
-    own = WalkFilter(_start(walk, plan, rng), walk.parameters, plan, rng)
+    anywhere = begins_anywhere(walk.timelines, walk.start, plan)
+    own = WalkFilter(_start(walk, plan, begun, rng), walk.parameters, plan, rng, anywhere)
     tethers = list(walk.tethers)
     maker = _BlockMaker(len(walk.timelines))
+    places, walked_m = [], 0.0
     for number, (device, index) in enumerate(events):
         node = walk.timelines[device].nodes[index]
         if plans is not None and plans.at(node.time_s) is not own.plan:
             own.change_floor(plans.at(node.time_s), sorted(maker.begun))
         if index:
             own.move(device, node)
+            walked_m += node.length_m / len(walk.timelines)
         else:
             donor = late_start_donor(0, node.time_s, begun_s, maker.begun)
             if donor is not None:
@@ -88,8 +115,10 @@ def filter_by_particles(walk: WalkInput, plans: PlansInTime | None) -> ParticleW
         after = None if following is None else walk.timelines[following[0]].nodes[following[1]]
         changes = plans is not None and after is not None and plans.at(after.time_s) is not own.plan
         if maker.ends(node, after, following, bool(due) or changes):
-            maker.close(own.cloud, own.plan)
-    return ParticleWalk(tuple(maker.blocks), own.fit)
+            if anywhere:
+                places.append(places_at(own.cloud, node.time_s, walked_m))
+            maker.close(thinned_cloud(own.cloud, rng) if anywhere and following is not None else own.cloud, own.plan)
+    return ParticleWalk(tuple(maker.blocks), own.fit, tuple(places))
 
 
 def window_of(walk: WalkInput) -> Window | None:
@@ -108,8 +137,8 @@ def window_of(walk: WalkInput) -> Window | None:
     return places[0] - reach_m, places[0] + reach_m
 
 
-def _start(walk: WalkInput, plan: PlanModel | None, rng: np.random.Generator) -> Cloud:
-    """Draw the particles at the start."""
+def _start(walk: WalkInput, plan: PlanModel | None, begun: PlanGrid | None, rng: np.random.Generator) -> Cloud:
+    """Draw the particles at the start, on a part of the plan where the walk can have begun, if that is known."""
     starts = starts_of(walk.timelines, walk.start)
     priors = [
         start_prior(one, start, walk.sigma_length_scale) for one, start in zip(walk.timelines, starts, strict=True)
@@ -118,14 +147,16 @@ def _start(walk: WalkInput, plan: PlanModel | None, rng: np.random.Generator) ->
     count = walk.parameters.most_particles
     known = walk.start.heading_rad is not None or any(one.observes_heading for one in walk.timelines)
     any_direction = plan is not None and not known  # without a plan, the direction of the walk defines the frame
-    anywhere = plan is not None and walk.start.position_m is None and not any(one.position_open for one in priors)
+    anywhere = begins_anywhere(walk.timelines, walk.start, plan)
     if anywhere and plan is not None:
         count = plan.particles_anywhere(walk.parameters)
+        if begun is not None:
+            count = particles_in_region(begun, walk.parameters)
     elif any_direction or any(one.heading_open or one.position_open for one in priors):
         count *= 2
     cloud = initial_cloud(priors, nodes, count, rng)
     cloud = turned_anywhere(cloud, rng) if any_direction else cloud
-    return spread_over_plan(cloud, plan.grid, rng) if anywhere and plan is not None else cloud
+    return spread_over_plan(cloud, begun or plan.grid, rng) if anywhere and plan is not None else cloud
 
 
 def _events(timelines: Sequence[Timeline]) -> tuple[list[tuple[int, int]], float]:

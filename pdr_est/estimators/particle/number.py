@@ -13,19 +13,28 @@ from pdr_est.frames import Array
 
 _BIN_M, _BIN_RAD = 1.0, 0.35  # of the histogram: half the width of a corridor, and a quarter of a right angle
 _ERROR = 0.1  # bound of the Kullback-Leibler distance to the histogram of the posterior
+_FINER = 4  # times as many particles for the probabilities of places; measured on two equal buildings
 _QUANTILE = 1.645  # of the normal distribution: the bound holds with a probability of 95 %
 
 
-def wanted_number(cloud: Cloud, weights: Array, parameters: ParticleParams) -> int:
-    """Return the number of particles to go on with."""
+def wanted_number(cloud: Cloud, weights: Array, parameters: ParticleParams, anywhere: bool = False) -> int:
+    """Return the number of particles to go on with.
+
+    A walk that may have begun `anywhere` on a plan gets more, for the probabilities of its places: of two equal
+    buildings, each keeps half of the probability up to a tenth.
+    """
     probable = weights > 0.01 / len(weights)
     cells = np.zeros(int(probable.sum()), dtype=np.int64)
     for device in range(cloud.devices):
         for row, size in ((EAST, _BIN_M), (NORTH, _BIN_M), (HEADING, _BIN_RAD)):
             bins = np.floor(cloud.state[DEVICE_ROWS * device + row, probable] / size).astype(np.int64)
             cells = cells * 2053 + (bins - bins.min())
+    wanted = kld_number(len(np.unique(cells)))
+    if anywhere:
+        most = max(parameters.most_particles, parameters.most_start_particles)
+        return int(np.clip(_FINER * wanted, parameters.most_particles, most))
     most = max(parameters.most_particles, min(len(cloud), parameters.most_start_particles) // 2)
-    return int(np.clip(kld_number(len(np.unique(cells))), parameters.least_particles, most))
+    return int(np.clip(wanted, parameters.least_particles, most))
 
 
 def kld_number(bins: int) -> int:

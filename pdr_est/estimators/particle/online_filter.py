@@ -92,7 +92,8 @@ class ParticleOnlineFilter:
     def _own(self) -> WalkFilter:
         """Filter of the devices, made when the first of them begins to walk."""
         if self._filter is None:
-            self._filter = WalkFilter(self._first_cloud(), self._parameters, self._plan, self._rng)
+            anywhere = self._plan is not None and self._start.position_m is None
+            self._filter = WalkFilter(self._first_cloud(), self._parameters, self._plan, self._rng, anywhere)
         return self._filter
 
     def _first_cloud(self) -> Cloud:

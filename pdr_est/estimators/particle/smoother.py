@@ -8,13 +8,18 @@ import numpy as np
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.particle.backward import simulate_backward
+from pdr_est.estimators.particle.cloud import START_EAST
 from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles, window_of
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.paths.path_summary import track_of_paths
+from pdr_est.estimators.particle.places.modes import place_modes
+from pdr_est.estimators.particle.places.start_region import start_region
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.floor_plan import PresentFloor
 from pdr_est.types.measurements import DeviceTether, StartPose
+from pdr_est.types.on_plan.places import PlaceSearch
 from pdr_est.types.track import Track, concatenate
 
 
@@ -59,6 +64,9 @@ def estimate(
         return _smoothed(walk, None, filtered)
     unrelated = probability_unrelated(filtered, parameters)
     if unrelated <= 0.5:
+        begun = filtered.blocks[0].plan
+        if filtered.places and begun is not None:
+            return _found_on_plan(walk, plans, filtered, begun.grid)
         return _smoothed(walk, plans, filtered)
     track = _smoothed(walk, None, filter_by_particles(walk, None))
     return replace(track, findings=(*track.findings, unrelated_finding(floors, unrelated)))
@@ -89,6 +97,26 @@ def unrelated_finding(floors: Sequence[PresentFloor], probability: float) -> Fin
         f"without {it}: check the floor, the scale and the frame of the plan, and the start",
         value=probability,
     )
+
+
+def place_finding(search: PlaceSearch) -> Finding:
+    """Report a place on the plan that is not decided."""
+    return Finding(FindingKind.PLAN, search.words, value=search.end.modes[0].probability)
+
+
+def _found_on_plan(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk, grid: PlanGrid) -> Track:
+    """Smooth a walk that may begin anywhere on the plan, with the search for its place.
+
+    Few particles of the whole plan began where the walk did. It is therefore filtered once more, with all of them
+    where it can have begun.
+    """
+    again = filter_by_particles(walk, plans, start_region(grid, filtered.blocks[-1].cloud))
+    end = again.blocks[-1].cloud
+    begun = replace(filtered.places[0], modes=place_modes(end.device(0)[START_EAST:], end.weights))
+    search = PlaceSearch(filtered.places, begun, again.places[-1])
+    track = _smoothed(walk, plans, again)
+    open_place = () if search.unique_since is not None else (place_finding(search),)
+    return replace(track, places=search, findings=(*track.findings, *open_place))
 
 
 def _smoothed(walk: WalkInput, plans: PlansInTime | None, filtered: ParticleWalk) -> Track:

@@ -22,12 +22,14 @@ from pdr_est.estimators.particle.likelihoods import (
 from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.number import wanted_number
 from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.places.resampling import shares_by_place
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 
 _RESAMPLED = 0.5  # share of effective particles below which they are resampled
 _STARVED = 0.1  # share of effective particles below which a measurement is taken in several parts
 _MOST_PARTS = 100  # of a measurement
+_TRUST_ANYWHERE = 0.5  # power of the evidence of a way for places: errors of a plan are common to several steps; ours
 _SIGMA_ENTERING_M = 0.2  # of the place of a late device against that of another: the pace within a step is not known
 
 
@@ -65,16 +67,24 @@ class WalkFilter:
         The plan of the floor at the start, or None without one.
     rng
         Source of random numbers.
+    anywhere
+        True for a walk that may have begun anywhere on the plan.
     """
 
     def __init__(
-        self, cloud: Cloud, parameters: ParticleParams, plan: PlanModel | None, rng: np.random.Generator
+        self,
+        cloud: Cloud,
+        parameters: ParticleParams,
+        plan: PlanModel | None,
+        rng: np.random.Generator,
+        anywhere: bool = False,
     ) -> None:
         self.cloud = cloud
         self.plan = plan
         self.fit = PlanFit()
         self._parameters = parameters
         self._rng = rng
+        self._anywhere = anywhere
 
     def move(self, device: int, node: Node) -> None:
         """Move the particles of a device over the motion that leads to a node, within the walls of the plan."""
@@ -90,7 +100,8 @@ class WalkFilter:
         self.fit.add(self.cloud.weights, way, node.length_m / self.plan.free_path_m / self.cloud.devices)
         if self.plan.directions is not None:
             way = way + self.plan.directions.log_weight(rows, node.length_m) / self.cloud.devices
-        self.cloud = replace(self.cloud, state=state, log_weight=self.cloud.log_weight + way)
+        trust = _TRUST_ANYWHERE if self._anywhere else 1.0
+        self.cloud = replace(self.cloud, state=state, log_weight=self.cloud.log_weight + trust * way)
 
     def begin(self, device: int) -> None:
         """Weigh the particles of a device by whether their start is walkable on the plan."""
@@ -156,24 +167,27 @@ class WalkFilter:
 
     def _resample_if_needed(self) -> None:
         weights = self.cloud.weights
-        if effective(weights) >= _RESAMPLED * len(weights):
+        share = shares_by_place(self.cloud, weights) if self._anywhere else weights
+        if effective(share) >= _RESAMPLED * len(share):
             return
-        count = wanted_number(self.cloud, weights, self._parameters)
-        kept = systematic(weights, count, float(self._rng.random()))
+        count = wanted_number(self.cloud, share, self._parameters, self._anywhere)
+        kept = systematic(share, count, float(self._rng.random()))
         state = self.cloud.state[:, kept]
         for device in range(self.cloud.devices):
             row = DEVICE_ROWS * device + LOG_SCALE
             state[row] = roughened_scale(state[row], self._rng)
-        self.cloud = replace(self.cloud, state=state, log_weight=np.zeros(count))
+        left = np.log(weights[kept] / share[kept]) if self._anywhere else np.zeros(count)
+        self.cloud = replace(self.cloud, state=state, log_weight=left)
 
     def _weigh(self, likelihood: Callable[[Cloud], Array]) -> None:
         """Multiply the weights by a likelihood, in several parts where few particles would be left.
 
         After each part the particles are resampled and moved by a kernel, so that they follow the likelihood to where
-        there were few of them (progressive correction).
+        there were few of them (progressive correction). Those of a walk that may have begun anywhere are many, and a
+        kernel of their covariance would move them from place to place.
         """
         left = 1.0
-        for _ in range(_MOST_PARTS):
+        for _ in range(0 if self._anywhere else _MOST_PARTS):
             log = likelihood(self.cloud)
             part = _largest_part(self.cloud.log_weight, log, left)
             self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + part * log)

@@ -15,7 +15,7 @@ from pdr_est.report.plots.mode_style import mode_entry
 from pdr_est.report.walk.explorer_data import explorer_data
 from pdr_est.report.walk.fix_residuals import HELD_OUT, fix_residuals
 from pdr_est.report.walk.map_extras import NO_EXTRAS, MapExtras
-from pdr_est.report.walk.panels import floor_panels, time_panels, track_panel, truth_points
+from pdr_est.report.walk.panels import floor_panels, place_panels, time_panels, track_panel, truth_points
 from pdr_est.report.walk.summary import Json
 from pdr_est.report.walk.track_formats import result_files
 from pdr_est.types.recording import Recording
@@ -74,7 +74,7 @@ def render_report(
             warnings=[words for words in summary["warnings"] if words not in told],
             errors=_flat(summary["errors_against_truth"] or {}),
             track=panel,
-            panels=[*floor_panels(walk, recording, frame == "map"), *time_panels(walk)],
+            panels=[*floor_panels(walk, recording, frame == "map"), *place_panels(walk), *time_panels(walk)],
             assets=assets,
             policy=assets.policy(*extras.image_hosts),
             image_hosts=extras.image_hosts,

@@ -22,6 +22,7 @@ from pdr_est.report.plots.mode_style import mode_legend, mode_runs
 from pdr_est.report.plots.time_axis import TimeAxis, time_axis
 from pdr_est.report.plots.track import plot_track
 from pdr_est.report.plots.track_line import mode_polylines
+from pdr_est.report.plots.whole_plan import plot_places
 from pdr_est.report.walk.visited_floors import VisitedFloor, part_on_floor, visited_floors, within_spans
 from pdr_est.types.ground_truth import TruePositions
 from pdr_est.types.height import HeightProfile
@@ -156,6 +157,17 @@ def time_panels(walk: SmoothedWalk) -> list[Panel]:
     if walk.track.height is not None:
         panels.append(_height_panel(walk.track.height, axis))
     return panels
+
+
+def place_panels(walk: SmoothedWalk) -> list[Panel]:
+    """Make the map of the places where a walk may have been whose start is not known; none for other walks."""
+    search = walk.track.places
+    if search is None or walk.plan is None:
+        return []
+    end, begin = LegendEntry("ellipse", "series-1", "end of the walk"), LegendEntry("ellipse", "muted", "start")
+    markup = _markup(plot_places(walk.plan, search), "places", "Places on the plan where the walk may have been")
+    caption = f"{search.words[0].upper()}{search.words[1:]}. Circles have two standard deviations."
+    return [Panel("Place on the plan", markup, (end, begin), caption)]
 
 
 def _height_panel(profile: HeightProfile, axis: TimeAxis) -> Panel:

@@ -3,12 +3,16 @@
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from pdr_est.pipeline import SmoothedWalk
 from pdr_est.report.walk.visited_floors import visited_floors, within_spans
 from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.height import HeightProfile
 from pdr_est.types.region import PoseRegion
 from pdr_est.types.track import Track
+
+_MOST_TIMES = 12  # of a search for the place that are listed
 
 
 def describe_height(profile: HeightProfile | None) -> dict[str, Any] | None:
@@ -33,6 +37,23 @@ def describe_places(region: PoseRegion) -> dict[str, Any]:
             {"probability": probability, "position_m": place_m}
             for probability, place_m in zip(end.weight.tolist(), end.centre_m.tolist(), strict=True)
         ],
+    }
+
+
+def describe_search(track: Track) -> dict[str, Any] | None:
+    """Describe where on its plan a walk was whose start is not known, and since when the place was unique."""
+    if track.places is None:
+        return None
+    search = track.places
+    since = search.unique_since
+    chosen = np.unique(np.linspace(0, len(search.filtered) - 1, _MOST_TIMES).astype(np.int64))
+    times = {one.time_s: one for one in (*(search.filtered[number] for number in chosen), since) if one is not None}
+    return {
+        "words": search.words,
+        "unique_since": since,
+        "start": search.start,
+        "end": search.end,
+        "filtered": [times[time_s] for time_s in sorted(times)],
     }
 
 

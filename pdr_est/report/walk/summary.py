@@ -25,7 +25,7 @@ from pdr_est.report.walk.descriptions import (
     describe_length_scale,
 )
 from pdr_est.report.walk.mode_statistics import mode_statistics
-from pdr_est.report.walk.places import describe_height, describe_places, describe_walk_on_plans
+from pdr_est.report.walk.places import describe_height, describe_places, describe_search, describe_walk_on_plans
 from pdr_est.types.clock import utc_date
 from pdr_est.types.ground_truth import Truth
 from pdr_est.types.measurements import PositionFix, StartPose
@@ -145,6 +145,7 @@ def _known_places(walk: SmoothedWalk, start: StartPose | None) -> Json:
         "height": describe_height(walk.track.height),
         "floor_plan": max(on_plans, key=lambda one: int(one["poses"]), default=None),
         "floor_plans": on_plans,
+        "place_search": describe_search(walk.track),
     }
 
 

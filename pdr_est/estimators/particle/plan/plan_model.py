@@ -20,7 +20,7 @@ leave room for it. Without further draws, a posterior prefers whatever meets few
 all."""
 
 
-_PER_M2 = 5.0  # particles of a walk that may begin anywhere; ours
+_PER_M2 = 100.0  # particles of a walk that may begin anywhere: of two equal buildings, each keeps half; ours
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Records of the places of a walk on its floor plan."""
