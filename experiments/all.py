@@ -87,6 +87,8 @@ TASKS: tuple[Task, ...] = (
     simulated("mmpdr_causes", 5.0),
     simulated("turned_walkers", 30.0),
     recorded("passengers", ("walks",), 3.0),
+    recorded("plan_in_graph", ("ilc20",), 3.0),
+    recorded("unknown_start", ("ilc20",), 8.0),
     recorded("uptime_table2", ("motionsense", "sisfall"), 5.0),
     recorded("uptime_table3", ("oxford-steps",), 3.0),
     recorded("uptime_table4", ("motionsense", "sisfall"), 10.0),
@@ -143,6 +145,7 @@ NOT_RUN = {
     "overview",
     "limb_statistics",
     "mmpdr_walks",
+    "walks_on_plans",
     "benchmark_tables",  # a task for each suite
     "mmpdr_figures",  # with mmpdr_table10
     "front_end_acceptance",  # prints only
