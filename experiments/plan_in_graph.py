@@ -9,6 +9,8 @@ hinge for each pose that is closer to a wall than MARGIN_M on the side where it 
 walls as `particle` has them. Newton's method on a sparse matrix solves it; the covariances are those of its last
 linear system. `cold` is the same graph started at the track of `factor-graph` without the plan.
 
+`more_m` is the mean difference from the error of `particle`, with its standard error.
+
 Writes experiments/results/plan_in_graph.json and .txt.
 """
 
@@ -215,13 +217,23 @@ def timed(work: Callable[[], T]) -> tuple[T, float]:
     return result, time.process_time() - begin
 
 
-def row(name: str, scored: Sequence[tuple[WalkOnPlan, Track, float]]) -> dict[str, float | str]:
-    """Compute the numbers of an estimator over all walks, at the true positions after the first one."""
-    errors_m, inside = [], []
+Scored = Sequence[tuple[WalkOnPlan, Track, float]]
+
+
+def mean_errors_m(scored: Scored) -> Array:
+    """Compute the mean error of each walk at the true positions after the first one, m."""
+    return np.array(
+        [np.hypot(*(track.at(walk.time_s[1:])[0] - walk.truth_m[1:]).T).mean() for walk, track, _ in scored]
+    )
+
+
+def row(name: str, scored: Scored, reference: Scored) -> dict[str, float | str]:
+    """Compute the numbers of an estimator over all walks, and its mean error beside that of a reference."""
+    errors_m, inside = mean_errors_m(scored), []
+    more_m = errors_m - mean_errors_m(reference)
     for walk, track, _ in scored:
         at, covariance = track.at(walk.time_s[1:])
         off = at - walk.truth_m[1:]
-        errors_m.append(float(np.hypot(*off.T).mean()))
         spread = np.linalg.inv(covariance + WAYPOINT_SIGMA_M**2 * np.eye(2))
         inside += (np.einsum("ni,nij,nj->n", off, spread, off) < CHI2_95).tolist()
     outside = [1.0 - walk.plan.contains(track.position_m).mean() for walk, track, _ in scored]
@@ -231,6 +243,8 @@ def row(name: str, scored: Sequence[tuple[WalkOnPlan, Track, float]]) -> dict[st
         "mean_m": float(np.mean(errors_m)),
         "median_m": float(np.median(errors_m)),
         "p90_m": float(np.quantile(errors_m, 0.9)),
+        "more_m": float(more_m.mean()),
+        "+-_m": float(more_m.std() / np.sqrt(len(more_m))),
         "coverage95": float(np.mean(inside)),
         "outside": float(np.mean(outside)),
         "cpu_s_per_min": sum(cost for _, _, cost in scored) / sum(walk.minutes for walk, _, _ in scored),
@@ -257,7 +271,7 @@ def main() -> None:
         for seed in range(options.seeds):
             for name, (track, cost_s) in tracks(walk, walls[id(walk.plan)], seed).items():
                 scored.setdefault(name, []).append((walk, track, cost_s))
-    rows = [row(name, own) for name, own in scored.items()]
+    rows = [row(name, own, scored["particle"]) for name, own in scored.items()]
     write("plan_in_graph", as_text(rows), rows)
 
 
