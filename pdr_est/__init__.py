@@ -33,6 +33,7 @@ Types
 - Track: result of an estimator. *Filtered* poses use the past only, *smoothed* poses use the whole walk, *delayed*
   poses use the past and a fixed time after it. The device "fused" is the person, from all devices. Its `findings`
   tell what does not fit.
+- PlaceSearch: where on its floor plan a walk was whose start is not known: `Track.places`.
 - PoseRegion: the places where the walker may be at each pose, where one ellipse does not say it: `Track.region`.
 - Finding: something about a walk that does not fit, such as a position fix that disagrees with the steps; its
   `FindingKind` is what it is about.
@@ -102,6 +103,7 @@ if TYPE_CHECKING:
         StartPose,
         StepOdometry,
     )
+    from pdr_est.types.on_plan.places import PlaceSearch
     from pdr_est.types.recording import DeviceRecording, Recording, Signal
     from pdr_est.types.region import PoseRegion
     from pdr_est.types.sensors import Channel, SensorBlock
@@ -132,6 +134,7 @@ __all__ = [
     "OutputError",
     "Parts",
     "PdrError",
+    "PlaceSearch",
     "PoseRegion",
     "PositionFix",
     "PresentFloor",
@@ -199,6 +202,7 @@ _MODULES = {
         "StepOdometry",
     ),
     "pdr_est.types.recording": ("DeviceRecording", "Recording", "Signal"),
+    "pdr_est.types.on_plan.places": ("PlaceSearch",),
     "pdr_est.types.region": ("PoseRegion",),
     "pdr_est.types.sensors": ("Channel", "SensorBlock"),
     "pdr_est.types.steps": ("CarryingMode", "Step"),

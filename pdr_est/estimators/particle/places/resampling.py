@@ -13,6 +13,8 @@ from pdr_est.frames import Array
 
 _PLACE_M, _HEADING_RAD = 4.0, 0.7  # size of a place: of a hall, and of half a right angle; ours
 
+_MOST_PLACES = 1_000_000  # that are counted one by one, occupied or not
+
 
 def shares_by_place(cloud: Cloud, weights: Array) -> Array:
     """Return the probabilities (n,) with which particles of given weights (n,) are taken."""
@@ -29,4 +31,6 @@ def _places(cloud: Cloud) -> NDArray[np.int64]:
     turns = int(np.ceil(2.0 * np.pi / _HEADING_RAD))
     heading = np.floor(np.mod(rows[HEADING], 2.0 * np.pi) / _HEADING_RAD).astype(np.int64)
     key = (north * (east.max() + 1) + east) * turns + heading
+    if key.max() < _MOST_PLACES:
+        return np.asarray(key)
     return np.asarray(np.unique(key, return_inverse=True)[1], dtype=np.int64)
