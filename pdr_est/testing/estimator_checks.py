@@ -21,6 +21,7 @@ from pdr_est.types.measurements import (
     StartPose,
     StepOdometry,
 )
+from pdr_est.types.region import PoseRegion
 from pdr_est.types.track import Track
 
 _STEPS, _STEP_S, _STEP_M = 40, 0.5, 0.7
@@ -127,6 +128,17 @@ def _check_covariances(track: Track, name: str) -> None:
     least = np.linalg.eigvalsh(covariance)[:, 0]
     assert (least >= -1e-12).all(), f"{name}: a covariance has the eigenvalue {least.min():.3g}, below 0"
     assert (track.sigma_heading_rad >= 0.0).all(), f"{name}: a sigma_heading_rad is below 0"
+    if track.region is not None:
+        _check_region(track.region, len(track), name)
+
+
+def _check_region(region: PoseRegion, poses: int, name: str) -> None:
+    used = region.weight > 0.0
+    assert len(region) == poses, f"{name}: the region has {len(region)} poses, the track {poses}"
+    assert np.allclose(region.weight.sum(axis=1), 1.0), f"{name}: weights of a region do not add up to 1"
+    least = np.linalg.eigvalsh(region.covariance_m2[used])[:, 0]
+    assert np.isfinite(region.mean_m[used]).all(), f"{name}: a component of a region has no finite mean"
+    assert (least >= -1e-12).all(), f"{name}: a covariance of a region has the eigenvalue {least.min():.3g}, below 0"
 
 
 def _check_purity(estimator: Any) -> None:

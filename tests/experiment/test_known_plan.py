@@ -1,14 +1,17 @@
 """Metrics of a track that knows its start and the floor plan beside the recording."""
 
 import json
+import re
+from io import StringIO
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from pdr_est import pipeline
 from pdr_est.config import Config
 from pdr_est.evaluate.held_out_fixes import fixes_at
-from pdr_est.experiment import comparison_on_axis, run_benchmark
+from pdr_est.experiment import comparison_on_axis, print_benchmark, run_benchmark
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.scoring.known_plan import PLAN_METRICS
 from pdr_est.experiment.suites import ilc20
@@ -52,7 +55,12 @@ def test_the_benchmark_reads_the_map_beside_a_recording(tmp_path, write_ilc20):
     floor = tmp_path / "ilc20/site1/F1"
     write_ilc20(floor / "one.txt")
     write_map(floor)
-    document = run_benchmark("ilc20", tmp_path, comparison_on_axis(HELD)).to_dict()
+    result = run_benchmark("ilc20", tmp_path, comparison_on_axis(HELD))
+    document, text = result.to_dict(), StringIO()
+    print_benchmark(result, Console(file=text, width=300))
+    assert re.search(r"error_plan_m +│ particle ", text.getvalue())
+    assert re.search(r"error_start_m +│ factor-graph ", text.getvalue())
+    assert "Metrics on a floor plan (…_plan) are those of particle" in text.getvalue()
     (row,) = document["walks"]
     assert all(np.isfinite(row[metric]) for metric in PLAN_METRICS)
     assert row["outside_plan"] <= 0.05  # the walk begins on the southern wall

@@ -245,6 +245,10 @@ def track_faults(track: Track) -> list[str]:
     numbers = (track.time_s, track.position_m, track.heading_rad, track.covariance_m2, track.sigma_heading_rad)
     if not all(np.isfinite(values).all() for values in numbers):
         return ["numbers that are not finite"]
+    if track.region is not None:
+        used = track.region.weight > 0.0
+        if not (np.isfinite(track.region.mean_m[used]).all() and np.isfinite(track.region.covariance_m2[used]).all()):
+            return ["a region that is not finite"]
     eigenvalues = np.linalg.eigvalsh(track.covariance_m2)
     backwards = (np.diff(track.time_s) < 0.0) & (track.device[1:] == track.device[:-1])
     found = {

@@ -10,6 +10,7 @@ import pytest
 from pdr_est.estimators import EstimatorSpec, OnlinePose, estimator_named
 from pdr_est.front_end.steps import StepsParams, step_detector
 from pdr_est.testing import check_estimator, check_partition, check_stage, stage_inputs
+from pdr_est.types.region import PoseRegion
 from pdr_est.types.track import Track
 
 
@@ -144,6 +145,12 @@ def changing(change: Callable[[Track], Any], **changes: Any) -> Estimator:
     return made
 
 
+def region_of(track: Track, weight: float, scale: float) -> PoseRegion:
+    """Regions of one component with this weight and the covariances of the track times a factor."""
+    region = PoseRegion.of_gaussians(track.position_m, scale * track.covariance_m2)
+    return replace(region, weight=weight * region.weight)
+
+
 class Remembering(Estimator):
     def changed(self, track: Track) -> Track:
         return replace(track, step_length_m=track.step_length_m + self.calls)
@@ -176,6 +183,15 @@ class Online(Estimator):
             r"has the eigenvalue .*, below 0",
         ),
         (changing(lambda track: replace(track, covariance_m2=0.0 * track.covariance_m2)), r"does not grow"),
+        (changing(lambda track: replace(track, region=region_of(track, 0.5, 1.0))), r"do not add up to 1"),
+        (
+            changing(lambda track: replace(track, region=region_of(track, 1.0, -1.0))),
+            r"of a region has the eigenvalue",
+        ),
+        (
+            changing(lambda track: replace(track, region=region_of(track, 1.0, 1.0).rows(slice(3)))),
+            r"has 3 poses, the",
+        ),
         (changing(lambda track: replace(track, position_m=track.position_m + 1.0)), r"the track is 1.4\d* m off"),
         (changing(lambda track: replace(track, heading_rad=np.full(len(track), np.nan))), r"heading_rad has values"),
         (Remembering(), r"the same measurements give another track the second time"),

@@ -15,7 +15,9 @@ from pdr_est.evaluate.metric_definitions import ALIGNED_NOTE, DEFINITIONS, marke
 from pdr_est.evaluate.paired_comparison import PairedComparison
 from pdr_est.experiment.results.benchmark_result import BenchmarkResult, Summary
 from pdr_est.experiment.results.comparison import NOTE, has_aligned
+from pdr_est.experiment.scoring.known_plan import PLAN_METRICS
 from pdr_est.experiment.suite import ConfusionMatrix
+from pdr_est.experiment.variants.axes import AXES
 
 _WIDEST = 1000  # columns; no number is ever shortened, a narrow terminal wraps the lines instead
 _NARROWEST = 100  # columns of a comparison; names of variants wrap, numbers do not
@@ -106,11 +108,17 @@ def _averages(title: str, result: BenchmarkResult, averages: Mapping[str, Mappin
                     table.add_row(
                         *(escape(group) for _ in group_heading),
                         metric,
-                        marked(name, metric, result.aligned),
+                        marked(_of_metric(name, metric, result), metric, result.aligned),
                         *numbers,
                         str(found.n),
                     )
     return table
+
+
+def _of_metric(variant: str, metric: str, result: BenchmarkResult) -> str:
+    """Name a variant in the row of a metric: on a floor plan by the estimator that was used, where none is chosen."""
+    on_plan = result.estimator_on_plan if metric in PLAN_METRICS else None
+    return on_plan if on_plan is not None and result.comparison.axis == AXES[0].name else variant
 
 
 def _confusion(title: str, confusion: ConfusionMatrix) -> Table:
