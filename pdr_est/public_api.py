@@ -19,7 +19,7 @@ from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.walk_findings import findings_of
 from pdr_est.parts import ESTIMATOR, NO_PARTS, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
+from pdr_est.types.floor_plan import BuildingPlan, FloorPlan, PresentFloor
 from pdr_est.types.measurements import (
     DeviceMeasurements,
     DeviceTether,
@@ -143,7 +143,7 @@ def estimate(
     start: StartPose | None = None,
     tethers: Sequence[DeviceTether] = (),
     sigma_length_scale: float = _SIGMA_LENGTH_SCALE,
-    plan: FloorPlan | None = None,
+    plan: FloorPlan | Sequence[PresentFloor] | None = None,
 ) -> Track:
     """Estimate a track from step odometry, whatever front end it comes from.
 
@@ -165,8 +165,8 @@ def estimate(
     sigma_length_scale
         Standard deviation of the walker's step length relative to that of the odometry.
     plan
-        Floor plan in the map frame, for an estimator whose spec says `uses_plan`, such as particle; others take no
-        notice of it.
+        Floor plan in the map frame, or the floors of the walk with their plans in order of time, for an estimator
+        whose spec says `uses_plan`, such as particle; others take no notice of them.
 
     Returns
     -------
@@ -178,13 +178,13 @@ def estimate(
     EstimationError
         If there is no odometry, it is out of order, or the measurements have no unique solution.
     """
-    plans = () if plan is None else (plan,)
+    plans = (plan,) if isinstance(plan, FloorPlan) else tuple(plan or ())
     devices = [
         DeviceMeasurements(one.device, one.start_s, (*one.measurements, *fixes, *plans))
         for one in _by_device(odometry)
     ]
     chosen: Estimator = (
-        estimator_named(estimator, on_plan=plan is not None)
+        estimator_named(estimator, on_plan=bool(plans))
         if isinstance(estimator, str)
         else given_part(estimator, ESTIMATOR, "estimator", {})
     )

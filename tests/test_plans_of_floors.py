@@ -91,3 +91,11 @@ def test_estimators_that_know_no_plans_take_the_directions_of_all_walls() -> Non
         pdr_est.smooth(recording, TURNED.with_estimator("factor-graph"), plan=plan) for plan in (BUILDING, None)
     )
     assert error_m(track, over_three_storeys()).mean() < 0.5 * error_m(free, over_three_storeys()).mean()
+
+
+def test_floors_may_be_given_to_any_odometry() -> None:
+    (walk,) = smoothed().devices
+    track = pdr_est.estimate(
+        walk.whole_walk_odometry, estimator="particle", start=TURNED.start.pose(), plan=smoothed().floors
+    )
+    assert error_m(track, over_three_storeys()).mean() < 0.2 * mean_error_m(smoothed(known=False))

@@ -94,4 +94,5 @@ def _building(plans: Sequence[FloorPlan], place: str, start_floor: str) -> Build
         raise FloorPlanError(
             f"{place}: has no floor {start_floor!r}, only {', '.join(names)}: choose one of these, or another file"
         )
-    return BuildingPlan(place, tuple(plans[k] for k in order), tuple(numbers[k] for k in order), start, notes)
+    name = ", ".join(dict.fromkeys(plan.name for plan in plans))
+    return BuildingPlan(name, tuple(plans[k] for k in order), tuple(numbers[k] for k in order), start, notes)
