@@ -1,7 +1,6 @@
 """Multi-device EKF that rewinds and replays out-of-sequence measurements.
 
-Its steps are those of the offline filter (`estimators/kalman/joint_filter_step.py`); waiting, rewinding and
-forgetting are added here.
+The steps are those of the offline filter (`estimators/kalman/joint_filter_step.py`); this one waits and rewinds.
 """
 
 from bisect import bisect_left
@@ -9,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, nextafter
 
+from pdr_est.estimators.common.measurement_checks import given_at
 from pdr_est.estimators.common.nodes import SAME_S
 from pdr_est.estimators.common.tether_schedule import TetherSchedule
 from pdr_est.estimators.common.tethers import PairTether, TetherParams
@@ -258,7 +258,7 @@ class RewindableFilter:
                 continue
             step = log.next_step - 1
             standing = log.standing_fixes(step, self._known.fixes, self._known.known_until_s(log.end_s))
-            if len(standing) != len(log.nodes[-1].fixes):
+            if [given_at(fix) for fix in standing] != [given_at(fix) for fix in log.nodes[-1].fixes]:
                 if log.step_end_s(step) > self._forgotten_s:
                     self.rewind_after(log.motion_begin_s(step))
                 else:
