@@ -22,10 +22,14 @@ _DECIDED = 0.8  # least probability of the nearest direction of the walls; ours
 
 
 def with_plan_directions(config: Config, plan: FloorPlan | BuildingPlan | None, spec: EstimatorSpec) -> Config:
-    """Take the directions of the building for a smoother from the walls of the plan, where the settings give none."""
+    """Take the directions of the building from the walls of the plan, where the settings give none.
+
+    This is for smoothers that make no use of the plan themselves. One that does would count the walls twice: the
+    headings that are tied to them look like further evidence for the same way.
+    """
     heading, dominant = config.heading, config.heading.dominant
     gives_priors = heading.method == "auto" and heading.use == "priors" and dominant.enabled
-    if plan is None or not spec.smooths or not gives_priors or dominant.given_number is not None:
+    if plan is None or not spec.smooths or spec.uses_plan or not gives_priors or dominant.given_number is not None:
         return config
     found = wall_directions(plan.all_floors if isinstance(plan, BuildingPlan) else plan)
     if found is None:
