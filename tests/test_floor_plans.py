@@ -15,6 +15,7 @@ from pdr_est.errors import FloorPlanError
 from pdr_est.estimators import EstimatorSpec, estimator_named
 from pdr_est.frames import Array, rotate_vectors
 from pdr_est.parts import Parts
+from pdr_est.pipeline.map_directions import with_plan_directions
 from pdr_est.simulate import preset, simulate_walk
 from pdr_est.simulate.walk import SimulatedWalk
 from pdr_est.types.floor_plan import FloorPlan, WalkableArea
@@ -105,6 +106,12 @@ def test_a_direction_that_is_not_known_stays_so() -> None:
     plain = pipeline.smooth_recording(office().recording, unknown).track
     with_plan = pipeline.smooth_recording(office().recording, unknown, plan=hall(turn_rad=0.4)).track
     np.testing.assert_allclose(with_plan.position_m, plain.position_m, atol=0.05)
+
+
+def test_an_estimator_that_weighs_the_walls_gets_no_headings_along_them_besides() -> None:
+    weighs, guided = (START.with_estimator(name) for name in ("particle", "factor-graph"))
+    assert with_plan_directions(weighs, hall(), weighs.estimator.make().spec) == weighs
+    assert with_plan_directions(guided, hall(), guided.estimator.make().spec) != guided
 
 
 def test_directions_of_the_settings_come_before_those_of_the_plan() -> None:
