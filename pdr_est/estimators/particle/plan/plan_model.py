@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.particle.cloud import NORTH
+from pdr_est.estimators.particle.cloud import LOG_SCALE, NORTH
 from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.nearest_walls import NearestWalls, nearest_walls
@@ -14,11 +14,10 @@ from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window, grid_of
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan
 
-_TRIES = 3
-"""Number of draws of a step that leads through a wall; ours. A walker avoids a wall where the errors of the step
-leave room for it. Without further draws, a posterior prefers whatever meets few walls by chance: short steps, above
-all."""
-
+_DRAWS = (3, 8)
+"""Numbers of further draws, at once, of a step that leads through a wall; ours. A walker avoids a wall where the
+errors of the step leave room for it. With few draws, a posterior prefers whatever meets few walls by chance: short
+steps, above all. With these rather than two, the surveyed points are likelier on each of ILC20's three floors."""
 
 _PER_M2 = 100.0  # particles of a walk that may begin anywhere: of two equal buildings, each keeps half; ours
 
@@ -84,8 +83,8 @@ class PlanModel:
     def move(self, rows: Array, node: Node, rng: np.random.Generator) -> Array:
         """Move the particles of a device over a motion, and return the log probabilities (n,) of their ways.
 
-        A step through a wall is drawn again; after the last draw the particle goes through, with the probability of
-        passing as its weight.
+        A step through a wall is drawn again, and the first draw that meets none is taken; without any the particle
+        goes through, with the probability of passing as its weight.
 
         Parameters
         ----------
@@ -96,23 +95,27 @@ class PlanModel:
         rng
             Source of random numbers.
         """
-        before, motion = rows.copy(), ParticleMotion.to(node)
+        before, motion = rows[: LOG_SCALE + 1].copy(), ParticleMotion.to(node)
         turns = motion.chosen(rows.shape[1], rng)
         motion.move(rows, turns, rng)
         log = np.zeros(rows.shape[1])
         if node.length_m <= 0.0:
             return log
         stays = self._off(before)
-        log[stays] = self._log_stray(before[:, stays], rows[:, stays])
+        log[stays] = self._log_stray(before[: NORTH + 1, stays], rows[: NORTH + 1, stays])
         again = np.flatnonzero(~stays)
-        again = again[self._meets_wall(before[:, again], rows[:, again], rng)]
-        for _ in range(_TRIES - 1):
+        again = again[self._meets_wall(before[: NORTH + 1, again], rows[: NORTH + 1, again], rng)]
+        for draws in _DRAWS:
             if not len(again):
                 break
-            once = before[:, again]
-            motion.move(once, turns[again], rng)
-            rows[:, again] = once
-            again = again[self._meets_wall(before[:, again], once, rng)]
+            each = np.repeat(again, draws)
+            once = before[:, each]
+            motion.move(once, turns[each], rng)
+            free = ~self._meets_wall(before[:, each], once, rng).reshape(-1, draws)
+            found = free.any(axis=1)
+            first = np.flatnonzero(found) * draws + free[found].argmax(axis=1)
+            rows[: LOG_SCALE + 1, again[found]] = once[:, first]
+            again = again[~found]
         log[again] = np.log(self.pass_probability)
         return log
 
