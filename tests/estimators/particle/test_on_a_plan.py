@@ -12,6 +12,7 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.particle.online_filter import ParticleOnlineFilter
 from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.plan.nearest_walls import nearest_walls
 from pdr_est.estimators.particle.plan.plan_grid import grid_of
 from pdr_est.frames import Array
 from pdr_est.types.findings import FindingKind
@@ -104,7 +105,8 @@ def test_a_closed_door_is_passed_with_the_stated_probability(probability: float)
     covariance[2, 2] = 0.03**2 + (np.pi / 4.0) ** 2
     choice = replace(step(11), heading_change_rad=np.pi / 4.0, covariance=covariance, turn_hypotheses=turns)
     walk = [*steps(10), choice, *(step(k) for k in range(12, 17))]
-    wall = np.array([[(8.0, -2.6), (18.0, 7.4)]])  # at the same angle to both ways
+    corners = np.linspace((8.0, -2.6), (18.0, 7.4), 16)  # at the same angle to both ways
+    wall = np.stack([corners[:-1], corners[1:]], axis=1)  # in pieces that are too short to tell where people walk
     hall = plan_of((0.0, -20.0, 30.0, 20.0), walls_m=wall, sigma_m=0.05)
     settings = ParticleParams(pass_probability=probability, most_particles=6000, least_particles=6000)
     own = ParticleOnlineFilter([DEVICE], StartPose((2.0, 0.0), 0.0, 0.05, 0.01), 0.01, settings)
@@ -173,3 +175,16 @@ def test_a_fix_outside_the_walls_moves_the_track_no_further_than_its_error() -> 
     track = particles([*steps(40), fix(40, 30.0, 3.0, 1.0), CORRIDOR])
     assert abs(track.position_m[-1, 1]) <= 1.1
     assert track.position_m[-1, 0] == pytest.approx(30.0, abs=1.0)
+
+
+def test_beside_a_wall_people_walk_along_it_and_at_some_distance_from_it() -> None:
+    hall = plan_of((0.0, 0.0, 60.0, 40.0))
+    walls = nearest_walls(hall, grid_of(hall, 0.2))
+    assert walls is not None
+    north_m = np.array([0.9, 0.9, 6.0, 6.0])
+    places = np.array([np.full(4, 30.0), north_m, [0.0, 0.8, 0.0, 0.8]])
+    along, across, along_far, across_far = walls.log_weight(places, 10.0)
+    assert along - across > along_far - across_far + 0.3 > 0.5
+    assert walls.log_weight(np.array([[30.0], [0.9], [-np.pi]]), 10.0)[0] == pytest.approx(along)  # in either sense
+    assert walls.log_weight(places[:, [1]], 20.0)[0] == pytest.approx(2.0 * across)
+    assert across > across_far + 0.3

@@ -1,9 +1,14 @@
-"""Directions of the nearest walls of a floor plan, which people mostly walk along.
+"""Distance and direction of the nearest walls of a floor plan, which tell where and whither people walk.
 
-Of 318 legs of more than 4 m between surveyed points on three floors of two malls, about half lead along the nearest
-wall within ten degrees, on each floor between 41 and 65 %; by chance it would be 11 %. With the probability `ALONG`,
-the heading of a walker is therefore that of the nearest wall, in either sense and up to a Gaussian error; otherwise
-it may be any.
+People walk beside walls and along them. On 318 legs of more than 4 m between surveyed points on three floors of two
+malls (ILC20), seven tenths of the way within 1.5 m of a wall lead along it within ten degrees, but a third of that
+farther away; by chance it would be 11 %. Between 0.6 and 1 m from a wall there is 1.7 times as much way as an even
+spread over the walkable ground would have, beyond 6 m less than half as much. The share of ways along the wall was
+fitted; with one floor left out, the fit explains the ways on that floor better than a constant share does, for each
+of the three.
+
+The heading of a walker is therefore that of the nearest wall, in either sense and up to a Gaussian error, with a
+probability that falls with the distance; otherwise it may be any.
 """
 
 from dataclasses import dataclass
@@ -15,24 +20,37 @@ from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, segments_of
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan
 
-ALONG = 0.5
-"""Share of ways along the nearest wall; see above."""
+_ALONG_NEAR, _ALONG_FAR = 0.93, 0.33  # share of ways along a wall beside it, and far away; fitted to those legs
+_NEAR_M = 1.3  # distance at which the share is the mean of both
+_STEEPNESS = 4  # power of the distance with which it falls
+_SIGMA_RAD = 0.14  # of the angle between a way and the wall that it leads along
+_DIRECTION_M = 24.0
+"""Way after which a direction counts anew, m: three legs. Legs are not independent: they follow one another along
+the same building. Of 8, 16, 24 and 40 m, the shortest gives tracks the least coverage. On two of the three floors 24
+and 40 m make the surveyed points most probable; on the third it makes no difference."""
 
-_SIGMA_RAD = 0.12  # of the angle between a way and the wall that it leads along
-_LEG_M = 8.0  # way after which the direction is chosen anew: the mean length of those legs
-_FAR_M = 8.0  # from the nearest wall, from which on it tells no direction
+_PLACE_M = 8.0  # way after which the distance from walls counts anew: the mean length of those legs
+_PLACE_DISTANCE_M = (0.15, 0.45, 0.8, 1.25, 1.75, 2.5, 3.5, 5.0, 7.0)
+_PLACE_RATIO = (0.6, 1.0, 1.7, 1.1, 0.95, 0.9, 1.0, 0.85, 0.45)
+"""Ways at distances from the nearest wall over those of an even spread, on the three floors together."""
+
+_FAR_M = 8.0  # from the nearest wall, from which on it tells nothing
 _SHORTEST_M = 1.0  # wall that counts
-_COARSER = 3  # cells of the plan's raster to one cell of the directions
+_COARSER = 2  # cells of the plan's raster to one cell of this one
 
 
 @dataclass(frozen=True)
 class NearestWalls:
-    """Raster of the direction of the nearest wall.
+    """Raster of what the nearest wall tells.
 
     Attributes
     ----------
     direction_rad
-        (rows, columns) direction of the nearest wall, rad; NaN far from all walls.
+        (rows, columns) direction of the nearest wall, rad; 0 far from all walls.
+    along
+        (rows, columns) probability that a way leads along that wall; 0 far from all walls.
+    log_place
+        (rows, columns) logarithm of how probable a way is there, against an even spread.
     origin_m
         (2,) east and north of the south-western corner, m.
     cell_m
@@ -40,34 +58,39 @@ class NearestWalls:
     """
 
     direction_rad: Array
+    along: Array
+    log_place: Array
     origin_m: Array
     cell_m: float
 
     def log_weight(self, rows: Array, length_m: float) -> Array:
-        """Return the logarithms (n,) of how probable headings are at their places, against any other heading.
+        """Return the logarithms (n,) of how probable places and headings are, against an even spread of both.
 
         Parameters
         ----------
         rows
             East, north and heading of n particles, and further rows.
         length_m
-            Length of the way, m. The directions of successive ways are much the same, so that a way counts for its
-            share of a leg.
+            Length of the way, m. Successive ways are much the same, so that a way counts for its share of a leg.
         """
         cells_across, cells_along = self.direction_rad.shape
         column = ((rows[0] - self.origin_m[0]) / self.cell_m).astype(np.int64)
         row = ((rows[1] - self.origin_m[1]) / self.cell_m).astype(np.int64)
         for index, count in ((column, cells_along), (row, cells_across)):
             np.minimum(np.maximum(index, 0, out=index), count - 1, out=index)
-        off = rows[2] - self.direction_rad.ravel().take(row * cells_along + column)
+        row *= cells_along
+        row += column
+        off = rows[2] - self.direction_rad.ravel().take(row)
         off -= np.pi * np.rint(off / np.pi)
-        peak = ALONG * np.sqrt(0.5 * np.pi) / _SIGMA_RAD  # over the uniform density on half the circle
-        ratio = 1.0 - ALONG + peak * np.exp(-0.5 * (off / _SIGMA_RAD) ** 2)
-        return np.asarray(np.nan_to_num(np.log(ratio)) * (length_m / _LEG_M))
+        along = self.along.ravel().take(row)
+        peak = np.sqrt(0.5 * np.pi) / _SIGMA_RAD  # over the uniform density on half the circle
+        ratio = 1.0 + along * (peak * np.exp(-0.5 * (off / _SIGMA_RAD) ** 2) - 1.0)
+        place = self.log_place.ravel().take(row)
+        return np.asarray(np.log(ratio) * (length_m / _DIRECTION_M) + place * (length_m / _PLACE_M))
 
 
 def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
-    """Make the raster of directions of a plan; None for a plan without walls that are long enough."""
+    """Make the raster of a plan; None for a plan without walls that are long enough."""
     cell_m = _COARSER * grid.cell_m
     shape = tuple(int(np.ceil(n / _COARSER)) for n in grid.walkable.shape)
     segments = segments_of(plan)
@@ -86,7 +109,9 @@ def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
         return None
     field = np.full(shape, np.nan)
     field[row[inside], column[inside]] = np.arctan2(way_m[:, 1], way_m[:, 0])[wall[inside]]
-    distance, nearest = ndimage.distance_transform_edt(np.isnan(field), return_indices=True)
-    direction = field[nearest[0], nearest[1]]
-    direction[distance * cell_m > _FAR_M] = np.nan
-    return NearestWalls(direction, grid.origin_m, cell_m)
+    cells, nearest = ndimage.distance_transform_edt(np.isnan(field), return_indices=True)
+    distance_m, direction_rad = cells * cell_m, field[nearest[0], nearest[1]]
+    along = _ALONG_FAR + (_ALONG_NEAR - _ALONG_FAR) / (1.0 + (distance_m / _NEAR_M) ** _STEEPNESS)
+    along[distance_m > _FAR_M] = 0.0
+    log_place = np.interp(distance_m, _PLACE_DISTANCE_M, np.log(_PLACE_RATIO))
+    return NearestWalls(direction_rad, along, log_place, grid.origin_m, cell_m)
