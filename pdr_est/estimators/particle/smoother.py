@@ -22,6 +22,8 @@ from pdr_est.types.measurements import DeviceTether, StartPose
 from pdr_est.types.on_plan.places import PlaceSearch
 from pdr_est.types.track import Track, concatenate
 
+_MOST_FILTERS = 3  # of a walk that may begin anywhere
+
 
 def estimate(
     timelines: Sequence[Timeline],
@@ -62,6 +64,8 @@ def estimate(
     filtered = filter_by_particles(walk, plans)
     if plans is None:
         return _smoothed(walk, None, filtered)
+    if filtered.places:
+        filtered = _best_of_several(walk, plans, filtered)
     unrelated = probability_unrelated(filtered, parameters)
     if unrelated <= 0.5:
         begun = filtered.blocks[0].plan
@@ -70,6 +74,21 @@ def estimate(
         return _smoothed(walk, plans, filtered)
     track = _smoothed(walk, None, filter_by_particles(walk, None))
     return replace(track, findings=(*track.findings, unrelated_finding(floors, unrelated)))
+
+
+def _best_of_several(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk) -> ParticleWalk:
+    """Filter a walk that may begin anywhere once more with other random numbers where its plan does not seem to fit.
+
+    Particles of a whole floor may lose the true place by chance, and then nothing fits. The filter with the most
+    evidence for the plan is taken.
+    """
+    for number in range(1, _MOST_FILTERS):
+        if probability_unrelated(filtered, walk.parameters) <= 0.5:
+            break
+        other = replace(walk.parameters, seed=walk.parameters.seed + number)
+        again = filter_by_particles(replace(walk, parameters=other), plans)
+        filtered = min((filtered, again), key=lambda one: probability_unrelated(one, walk.parameters))
+    return filtered
 
 
 def probability_unrelated(filtered: ParticleWalk, parameters: ParticleParams) -> float:

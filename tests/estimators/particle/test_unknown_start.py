@@ -103,6 +103,14 @@ def test_a_walk_with_a_known_start_or_a_fix_has_no_search() -> None:
     assert found(round_the_corner()).places is None
 
 
+def test_a_plan_without_any_place_for_the_walk_is_told() -> None:
+    rooms = [(4.0 * i, 4.0 * j) for i in range(6) for j in range(6)]
+    areas = [WalkableArea(np.array([(x, y), (x + 3.0, y), (x + 3.0, y + 3.0), (x, y + 3.0)])) for x, y in rooms]
+    track = found([*(step(k) for k in range(1, 51)), heading_prior(1, 0.0, 0.1), plan_of(*areas)])
+    assert track.places is None
+    assert any("does not fit this walk" in finding.message for finding in track.findings)
+
+
 def test_modes_are_connected_regions() -> None:
     rng = np.random.default_rng(0)
     left, right = rng.normal(0.0, 1.5, (2, 3000)), rng.normal(0.0, 0.5, (2, 1000)) + np.array([[30.0], [5.0]])
