@@ -18,7 +18,7 @@ from pdr_est.estimators.particle.places.start_region import particles_in_region
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
-from pdr_est.estimators.particle.walk_filter import PlanFit, WalkFilter
+from pdr_est.estimators.particle.walk_filter import WalkEvidence, WalkFilter
 from pdr_est.types.measurements import LATE_START_S, StartPose
 from pdr_est.types.on_plan.places import PlacesAt
 
@@ -60,14 +60,14 @@ class ParticleWalk:
     ----------
     blocks
         Blocks, the start first. Of a walk that may begin anywhere they hold few of the particles, except the last.
-    fit
-        How well the walk keeps to the plans.
+    evidence
+        How probable its measurements are, and its ways on the plans.
     places
         Places on the plan after each block of a walk that may begin anywhere on it; none of others.
     """
 
     blocks: tuple[Block, ...]
-    fit: PlanFit
+    evidence: WalkEvidence
     places: tuple[PlacesAt, ...] = ()
 
 
@@ -118,7 +118,7 @@ def filter_by_particles(walk: WalkInput, plans: PlansInTime | None, begun: PlanG
             if anywhere:
                 places.append(places_at(own.cloud, node.time_s, walked_m))
             maker.close(thinned_cloud(own.cloud, rng) if anywhere and following is not None else own.cloud, own.plan)
-    return ParticleWalk(tuple(maker.blocks), own.fit, tuple(places))
+    return ParticleWalk(tuple(maker.blocks), own.evidence, tuple(places))
 
 
 def window_of(walk: WalkInput) -> Window | None:
