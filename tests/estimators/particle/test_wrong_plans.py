@@ -97,7 +97,7 @@ def test_a_displaced_plan_is_better_than_none(change: Callable[[Array], Array]) 
 def test_fixes_tell_that_a_plan_is_stretched() -> None:
     """Stretched by 2 % about an origin 140 m away, the plan lies 2.8 m beside the walk."""
     way, eye = true_way(), 0.3**2 * np.eye(2)
-    fixes = [PositionFix(STEP_S * k, tuple(way[k]), eye, source="surveyed") for k in (20, 45, 62, 80)]
+    fixes = [PositionFix(STEP_S * k, way[k], eye, source="surveyed") for k in (20, 45, 62, 80)]
     track = smoothed(moved(HOOK, lambda x: 1.02 * x), fixes)
     assert error_m(track) < 1.0
     assert track.findings == ()
