@@ -2,10 +2,10 @@
 
     python experiments/wrong_plans.py --data DIR [--every N]
 
-DIR holds the data sets. Each walk of ILC20 is smoothed by `particle` with its first waypoint as its only fix: with the
-right plan of its floor, without any, and with wrong ones. Those are shifted, stretched about their centre or about the
-origin, with the corridor closed that the walk takes, or of another floor or mall. A corridor is closed over 8 m, from
-wall to wall, in the middle of the longest straight way between two waypoints. Writes
+DIR holds the data sets. Each walk of ILC20 is smoothed by `particle` with its first waypoint as its only fix: with
+the right plan of its floor, without any, and with wrong ones. Those are shifted, stretched about their centre or
+about the origin, with the corridor closed that the walk takes, or of another floor or mall. A corridor is closed
+over 8 m, from wall to wall, in the middle of the longest straight way between two waypoints. Writes
 experiments/results/wrong_plans.json and .txt; --every N takes only each N-th walk.
 """
 
