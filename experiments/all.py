@@ -89,6 +89,7 @@ TASKS: tuple[Task, ...] = (
     recorded("passengers", ("walks",), 3.0),
     recorded("plan_in_graph", ("ilc20",), 3.0),
     recorded("unknown_start", ("ilc20",), 8.0),
+    recorded("wrong_plans", ("ilc20",), 25.0),
     recorded("uptime_table2", ("motionsense", "sisfall"), 5.0),
     recorded("uptime_table3", ("oxford-steps",), 3.0),
     recorded("uptime_table4", ("motionsense", "sisfall"), 10.0),

@@ -28,6 +28,7 @@ from pdr_est.estimators.particle.cloud import (
     Cloud,
     systematic,
 )
+from pdr_est.estimators.particle.plan.displacement import displacement_terms, shift_at
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 
@@ -36,6 +37,10 @@ _MOST_PARTICLES = 600  # among which the predecessors of a path are sought; ours
 _KERNEL = 0.3  # over the standard deviation of the particles: by how much what is constant may differ
 _LEAST_SPREAD = 1e-6  # of particles, below which they count as equal
 _REFERENCE_SIGMA_RAD = 0.03  # by how much reference directions may differ
+
+
+DrawnPaths = tuple[list[Array], Array, list[Array]]
+"""Poses of each device, logarithms of its length scale, and shifts of the plan; see `simulate_backward`."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,7 @@ class Block:
 
 def simulate_backward(
     blocks: Sequence[Block], closed: Sequence[bool], paths: int, rng: np.random.Generator
-) -> tuple[list[Array], Array]:
+) -> DrawnPaths:
     """Draw paths from the posterior of a walk.
 
     Parameters
@@ -82,11 +87,14 @@ def simulate_backward(
         For each device the poses (n, 3, paths) at its nodes: east, north, heading.
     Array
         (devices, paths) logarithms of the length scales at the end.
+    list of Array
+        For each device by how much (n, 2, paths) the plan lies beside its poses, m.
     """
     last = blocks[-1].cloud
     path = last.state[:, systematic(last.weights, paths, float(rng.random()))]
     final = path
     poses: list[list[Array]] = [[] for _ in range(last.devices)]
+    shifts: list[list[Array]] = [[] for _ in range(last.devices)]
     for before, block in zip(blocks[-2::-1], blocks[:0:-1], strict=True):
         motions = [
             block_motions(nodes) if nodes and here else []
@@ -94,11 +102,13 @@ def simulate_backward(
         ]
         cloud, plan = thinned_cloud(before.cloud, rng), block.plan
         candidates = _candidates(cloud, path, final, motions, closed, 1 if plan is None else _CANDIDATES, rng)
+        shift_m = _shift(plan, replace(cloud, state=path))
         between = _ways(cloud.state[:, candidates], path, motions)
-        best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, rng)
+        best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, shift_m, rng)
         row = np.arange(paths)
         for device, nodes in enumerate(block.nodes):
             own = between[device]
+            shifts[device] += [np.repeat(shift_m[None], len(nodes), axis=0)] if nodes else []
             if own is not None:
                 poses[device].append(own[1:, :, row, best])
             elif nodes:  # the device enters the walk here
@@ -107,7 +117,9 @@ def simulate_backward(
     for device, nodes in enumerate(blocks[0].nodes):
         if nodes:
             poses[device].append(_pose(path, device)[None])
-    return [np.concatenate(own[::-1]) for own in poses], final[LOG_SCALE::DEVICE_ROWS][: last.devices]
+            shifts[device].append(_shift(blocks[0].plan, replace(last, state=path))[None])
+    scales = final[LOG_SCALE::DEVICE_ROWS][: last.devices]
+    return [np.concatenate(own[::-1]) for own in poses], scales, [np.concatenate(own[::-1]) for own in shifts]
 
 
 def thinned_cloud(cloud: Cloud, rng: np.random.Generator) -> Cloud:
@@ -121,6 +133,12 @@ def thinned_cloud(cloud: Cloud, rng: np.random.Generator) -> Cloud:
 def _pose(state: Array, device: int) -> Array:
     """Return east, north and heading (3, ...) of a device."""
     return state[DEVICE_ROWS * device : DEVICE_ROWS * device + HEADING + 1]
+
+
+def _shift(plan: PlanModel | None, cloud: Cloud) -> Array:
+    """Return by how much the plan lies beside the poses (2, paths) of the first device, m."""
+    place_m = cloud.device(0)[: NORTH + 1]
+    return np.zeros(place_m.shape) if plan is None else shift_at(cloud.displacement, place_m, plan.anchor_m)
 
 
 def _candidates(
@@ -138,6 +156,9 @@ def _candidates(
         if own:
             begin = DEVICE_ROWS * device
             log = log + _log_fit(cloud.device(device), path[begin:], final[begin:], own, closed[device])
+    if cloud.displacement.any():
+        terms, factors = displacement_terms(replace(cloud, state=path).displacement, cloud.displacement)
+        log = log - 0.5 * (terms.T @ factors)
     return _drawn(log, draws, rng)
 
 
@@ -154,9 +175,11 @@ def _ways(begin: Array, path: Array, motions: Sequence[Sequence[BlockMotion]]) -
     return ways
 
 
-def _chosen(plan: PlanModel, ways: Sequence[Array | None], rng: np.random.Generator) -> NDArray[np.int64]:
+def _chosen(
+    plan: PlanModel, ways: Sequence[Array | None], shift_m: Array, rng: np.random.Generator
+) -> NDArray[np.int64]:
     """Draw one of the candidates (m,) by how probable its ways are on the plan."""
-    log = sum(_log_way(plan, one) for one in ways if one is not None)
+    log = sum(_log_way(plan, one[:, :2] - shift_m[:, :, None]) for one in ways if one is not None)
     weight = np.exp(log - np.max(log, axis=1, keepdims=True))
     total = np.cumsum(weight, axis=1)
     drawn = (total < rng.random((len(total), 1)) * total[:, -1:]).sum(axis=1)
@@ -164,8 +187,8 @@ def _chosen(plan: PlanModel, ways: Sequence[Array | None], rng: np.random.Genera
 
 
 def _log_way(plan: PlanModel, poses: Array) -> Array:
-    """Return the log probabilities (m, c) of the ways of a device over a block, (k + 1, 3, m, c), on the plan."""
-    begin, end = poses[:-1, :2], poses[1:, :2]
+    """Return the log probabilities (m, c) of the ways of a device over a block, (k + 1, 2, m, c), on the plan."""
+    begin, end = poses[:-1], poses[1:]
     log = plan.log_way((begin[:, 0].ravel(), begin[:, 1].ravel()), (end[:, 0].ravel(), end[:, 1].ravel()))
     return np.asarray(log.reshape(len(begin), *poses.shape[2:]).sum(axis=0))
 
@@ -184,7 +207,8 @@ def _poses_between(motions: Sequence[BlockMotion], begin: Array, end: Array, log
 
 def _drawn(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """Draw numbers (m, draws) of columns by the logarithms (m, n) of their weights, for each row."""
-    total = np.cumsum(np.exp(log - log.max(axis=1, keepdims=True)), axis=1)
+    weights = np.exp((log - log.max(axis=1, keepdims=True)).astype(np.float32))  # which is exact enough, and faster
+    total = np.cumsum(weights, axis=1, dtype=np.float64)
     total /= total[:, -1:]
     rows, columns = total.shape
     offset = 2.0 * np.arange(rows)[:, None]

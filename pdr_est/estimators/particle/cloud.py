@@ -4,7 +4,8 @@ A particle is one column of an array. Each device has eight rows: east m, north 
 length scale, mean and variance of the direction that relative headings count from, and east and north of where it
 began, to which closed walks return. That direction is not sampled: given the headings of a particle it is Gaussian,
 and each particle carries its Kalman filter (Rao-Blackwellisation). The same holds for the wandering error of a source
-of fixes given the positions: two rows for its mean in metres, while its variance is common to all particles.
+of fixes given the positions: two rows for its mean in metres, while its variance is common to all particles. Three
+further rows say how the floor plan is displaced; they are 0 for a plan that is as drawn, and without a plan.
 """
 
 from dataclasses import dataclass, field
@@ -16,6 +17,9 @@ from pdr_est.frames import Array
 
 DEVICE_ROWS = 8
 """Number of rows of a device."""
+
+PLAN_ROWS = 3
+"""Number of rows of the displacement of the floor plan, which come after those of the devices."""
 
 EAST, NORTH, HEADING, LOG_SCALE, REFERENCE, REFERENCE_VARIANCE, START_EAST, START_NORTH = range(DEVICE_ROWS)
 
@@ -59,9 +63,14 @@ class Cloud:
         """Return a view of the rows (8, n) of a device."""
         return self.state[DEVICE_ROWS * number : DEVICE_ROWS * (number + 1)]
 
+    @property
+    def displacement(self) -> Array:
+        """View of the displacements (3, n) of the floor plan: shift to the east and north, m, and stretch."""
+        return self.state[DEVICE_ROWS * self.devices :][:PLAN_ROWS]
+
     def source_rows(self, number: int) -> slice:
         """Return the rows of the mean error of a source."""
-        begin = DEVICE_ROWS * self.devices + 2 * number
+        begin = DEVICE_ROWS * self.devices + PLAN_ROWS + 2 * number
         return slice(begin, begin + 2)
 
     @property

@@ -18,7 +18,7 @@ from pdr_est.estimators.particle.places.start_region import particles_in_region
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
-from pdr_est.estimators.particle.walk_filter import PlanFit, WalkFilter
+from pdr_est.estimators.particle.walk_filter import WalkEvidence, WalkFilter
 from pdr_est.types.measurements import LATE_START_S, StartPose
 from pdr_est.types.on_plan.places import PlacesAt
 
@@ -60,14 +60,14 @@ class ParticleWalk:
     ----------
     blocks
         Blocks, the start first. Of a walk that may begin anywhere they hold few of the particles, except the last.
-    fit
-        How well the walk keeps to the plans.
+    evidence
+        How probable its measurements are, and its ways on the plans.
     places
         Places on the plan after each block of a walk that may begin anywhere on it; none of others.
     """
 
     blocks: tuple[Block, ...]
-    fit: PlanFit
+    evidence: WalkEvidence
     places: tuple[PlacesAt, ...] = ()
 
 
@@ -86,7 +86,7 @@ def filter_by_particles(walk: WalkInput, plans: PlansInTime | None, begun: PlanG
     rng = np.random.default_rng(walk.parameters.seed)
     events, begun_s = _events(walk.timelines)
     plan = None if plans is None else plans.at(begun_s)
-    anywhere = begins_anywhere(walk.timelines, walk.start, plan)
+    anywhere = plan is not None and begins_anywhere(walk.timelines, walk.start)
     own = WalkFilter(_start(walk, plan, begun, rng), walk.parameters, plan, rng, anywhere)
     tethers = list(walk.tethers)
     maker = _BlockMaker(len(walk.timelines))
@@ -118,7 +118,7 @@ def filter_by_particles(walk: WalkInput, plans: PlansInTime | None, begun: PlanG
             if anywhere:
                 places.append(places_at(own.cloud, node.time_s, walked_m))
             maker.close(thinned_cloud(own.cloud, rng) if anywhere and following is not None else own.cloud, own.plan)
-    return ParticleWalk(tuple(maker.blocks), own.fit, tuple(places))
+    return ParticleWalk(tuple(maker.blocks), own.evidence, tuple(places))
 
 
 def window_of(walk: WalkInput) -> Window | None:
@@ -147,7 +147,7 @@ def _start(walk: WalkInput, plan: PlanModel | None, begun: PlanGrid | None, rng:
     count = walk.parameters.most_particles
     known = walk.start.heading_rad is not None or any(one.observes_heading for one in walk.timelines)
     any_direction = plan is not None and not known  # without a plan, the direction of the walk defines the frame
-    anywhere = begins_anywhere(walk.timelines, walk.start, plan)
+    anywhere = plan is not None and begins_anywhere(walk.timelines, walk.start)
     if anywhere and plan is not None:
         count = plan.particles_anywhere(walk.parameters)
         if begun is not None:

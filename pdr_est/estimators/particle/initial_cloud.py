@@ -14,6 +14,7 @@ from pdr_est.estimators.particle.cloud import (
     HEADING,
     LOG_SCALE,
     NORTH,
+    PLAN_ROWS,
     REFERENCE,
     REFERENCE_VARIANCE,
     START_EAST,
@@ -46,7 +47,7 @@ def initial_cloud(
     rng
         Source of random numbers.
     """
-    state, log_weight = np.zeros((DEVICE_ROWS * len(priors), count)), np.zeros(count)
+    state, log_weight = np.zeros((DEVICE_ROWS * len(priors) + PLAN_ROWS, count)), np.zeros(count)
     common = np.array([normal_strata(count, rng) for _ in range(2)])
     for number, (prior, own) in enumerate(zip(priors, nodes, strict=True)):
         rows = state[DEVICE_ROWS * number : DEVICE_ROWS * (number + 1)]

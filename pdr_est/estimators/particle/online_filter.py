@@ -15,6 +15,7 @@ from pdr_est.estimators.particle.initial_cloud import (
     turned_to_heading,
 )
 from pdr_est.estimators.particle.params import ParticleParams
+from pdr_est.estimators.particle.places.modes import search_settings
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.estimators.particle.plan.plans_in_time import PlanModels
 from pdr_est.estimators.particle.walk_filter import WalkFilter
@@ -51,7 +52,7 @@ class ParticleOnlineFilter:
         self._start, self._sigma_scale, self._parameters = start, sigma_length_scale, parameters
         self._rng = np.random.default_rng(parameters.seed)
         self._plan: PlanModel | None = None
-        self._models = PlanModels(parameters)
+        self._models = PlanModels(search_settings(parameters) if start.position_m is None else parameters)
         self._filter: WalkFilter | None = None
         self._builders: dict[str, NodeBuilder] = {}
         self._fixes: list[PositionFix] = []

@@ -31,11 +31,11 @@ class ParticleParams:
     """Probability with which a step goes through a wall of the plan, or onto ground that is not walkable there: the
     plan may be wrong, and doors are often not drawn (ours)."""
 
-    stray_length_m: Positive = 2.0
+    stray_length_m: Positive = 6.0
     """Mean length, m, of ways off the walkable area before they return (ours)."""
 
     cell_m: Annotated[float, Gt(0.01), Le(5.0)] = 0.2
     """Size of the cells in which a plan is looked up, m: a third of a step and below the width of a door."""
 
-    unrelated_plan: Fraction = 0.05
+    unrelated_plan: Fraction = 0.02
     """Probability, before the walk, that the plan has nothing to do with it (ours)."""

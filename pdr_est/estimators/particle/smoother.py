@@ -7,12 +7,12 @@ import numpy as np
 
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline
-from pdr_est.estimators.particle.backward import simulate_backward
+from pdr_est.estimators.particle.backward import DrawnPaths, simulate_backward
 from pdr_est.estimators.particle.cloud import START_EAST
 from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles, window_of
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.paths.path_summary import track_of_paths
-from pdr_est.estimators.particle.places.modes import place_modes
+from pdr_est.estimators.particle.places.modes import begins_anywhere, place_modes, search_settings
 from pdr_est.estimators.particle.places.start_region import start_region
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
@@ -23,6 +23,7 @@ from pdr_est.types.on_plan.places import PlaceSearch
 from pdr_est.types.track import Track, concatenate
 
 _MOST_FILTERS = 3  # of a walk that may begin anywhere
+_TOLD = 0.25  # probability from which on a finding says that a plan has nothing to do with a walk; ours
 
 
 def estimate(
@@ -35,7 +36,8 @@ def estimate(
 ) -> Track:
     """Estimate the smoothed tracks of all devices.
 
-    Plans that have probably nothing to do with the walk are left out, and a finding says so.
+    For the probability that the plans have nothing to do with the walk, the track is that without them; where it is
+    not small, a finding says so.
 
     Parameters
     ----------
@@ -60,20 +62,21 @@ def estimate(
     walk = WalkInput(
         tuple(timelines), tuple(node_tethers_between(timelines, tethers)), start, sigma_length_scale, parameters
     )
-    plans = PlansInTime.of(floors, parameters, window_of(walk))
+    on_plan = search_settings(parameters) if begins_anywhere(timelines, start) else parameters
+    plans = PlansInTime.of(floors, on_plan, window_of(walk))
     filtered = filter_by_particles(walk, plans)
     if plans is None:
-        return _smoothed(walk, None, filtered)
+        return _tracks(walk, [_drawn_paths(walk, filtered, parameters.paths)], None)
     if filtered.places:
         filtered = _best_of_several(walk, plans, filtered)
-    unrelated = probability_unrelated(filtered, parameters)
-    if unrelated <= 0.5:
-        begun = filtered.blocks[0].plan
-        if filtered.places and begun is not None:
-            return _found_on_plan(walk, plans, filtered, begun.grid)
-        return _smoothed(walk, plans, filtered)
-    track = _smoothed(walk, None, filter_by_particles(walk, None))
-    return replace(track, findings=(*track.findings, unrelated_finding(floors, unrelated)))
+    unrelated = probability_unrelated(filtered, walk)
+    findings = (unrelated_finding(floors, unrelated),) if unrelated > _TOLD else ()
+    begun = filtered.blocks[0].plan
+    if unrelated <= 0.5 and filtered.places and begun is not None:
+        track = _found_on_plan(walk, plans, filtered, begun.grid)
+    else:
+        track = _mixed(walk, plans, filtered, unrelated)
+    return replace(track, findings=(*track.findings, *findings))
 
 
 def _best_of_several(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk) -> ParticleWalk:
@@ -83,37 +86,41 @@ def _best_of_several(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk
     evidence for the plan is taken.
     """
     for number in range(1, _MOST_FILTERS):
-        if probability_unrelated(filtered, walk.parameters) <= 0.5:
+        if probability_unrelated(filtered, walk) <= 0.5:
             break
         other = replace(walk.parameters, seed=walk.parameters.seed + number)
         again = filter_by_particles(replace(walk, parameters=other), plans)
-        filtered = min((filtered, again), key=lambda one: probability_unrelated(one, walk.parameters))
+        filtered = min((filtered, again), key=lambda one: probability_unrelated(one, walk))
     return filtered
 
 
-def probability_unrelated(filtered: ParticleWalk, parameters: ParticleParams) -> float:
+def probability_unrelated(filtered: ParticleWalk, walk: WalkInput) -> float:
     """Return the probability that the plans have nothing to do with a walk.
 
     A walk that has nothing to do with a plan begins anywhere in the rectangle about it, and meets a wall once in
-    the mean free path.
+    the mean free path, but is no less probable than off the walkable area all the time. Its measurements are as
+    probable as without a plan.
     """
-    prior = parameters.unrelated_plan
+    prior = walk.parameters.unrelated_plan
     if prior in (0.0, 1.0):
         return prior
-    log_odds = np.log((1.0 - prior) / prior) + filtered.fit.log_evidence + filtered.fit.walls
+    least = walk.parameters.least_particles
+    free = filter_by_particles(replace(walk, parameters=replace(walk.parameters, most_particles=least)), None)
+    own = filtered.evidence
+    by_measurements = own.log_measurements - free.evidence.log_measurements
+    log_odds = np.log((1.0 - prior) / prior) + own.log_ways + by_measurements + own.walls
     return float(1.0 / (1.0 + np.exp(np.clip(log_odds, -700.0, 700.0))))
 
 
 def unrelated_finding(floors: Sequence[PresentFloor], probability: float) -> Finding:
     """Report plans that do not fit."""
     names = list(dict.fromkeys(repr(one.plan.name) for one in floors if one.plan is not None))
-    subject, it = (
-        (f"the plan {names[0]} does", "it") if len(names) == 1 else (f"the plans {', '.join(names)} do", "them")
-    )
+    subject, verb = (f"the plan {names[0]}", "does") if len(names) == 1 else (f"the plans {', '.join(names)}", "do")
     return Finding(
         FindingKind.PLAN,
-        f"{subject} not fit this walk (probability {probability:.0%}), and the track is made "
-        f"without {it}: check the floor, the scale and the frame of the plan, and the start",
+        f"{subject} {verb if probability > 0.5 else 'may'} not fit this walk (probability {probability:.0%}); with "
+        "that probability the track is the one without a plan: check the floor, the scale and the frame of the plan, "
+        "and the start",
         value=probability,
     )
 
@@ -133,20 +140,36 @@ def _found_on_plan(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk, 
     end = again.blocks[-1].cloud
     begun = replace(filtered.places[0], modes=place_modes(end.device(0)[START_EAST:], end.weights))
     search = PlaceSearch(filtered.places, begun, again.places[-1])
-    track = _smoothed(walk, plans, again)
+    track = _tracks(walk, [_drawn_paths(walk, again, walk.parameters.paths)], plans)
     open_place = () if search.unique_since is not None else (place_finding(search),)
     return replace(track, places=search, findings=(*track.findings, *open_place))
 
 
-def _smoothed(walk: WalkInput, plans: PlansInTime | None, filtered: ParticleWalk) -> Track:
-    """Draw paths from the posterior and make the tracks of them."""
+def _mixed(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk, unrelated: float) -> Track:
+    """Make tracks of paths on the plans, and without them for the probability that they are unrelated."""
+    paths = walk.parameters.paths
+    free = round(unrelated * paths)
+    parts = []
+    if free < paths:
+        parts.append(_drawn_paths(walk, filtered, paths - free))
+    if free:
+        parts.append(_drawn_paths(walk, filter_by_particles(walk, None), free))
+    return _tracks(walk, parts, plans if 2 * free < paths else None)
+
+
+def _drawn_paths(walk: WalkInput, filtered: ParticleWalk, paths: int) -> DrawnPaths:
+    """Draw paths from the posterior of a filtered walk."""
     rng = np.random.default_rng([walk.parameters.seed, 1])
     closed = [one.closure_sigma_m is not None for one in walk.timelines]
-    poses, log_scale = simulate_backward(filtered.blocks, closed, walk.parameters.paths, rng)
-    track = concatenate(
-        [
-            track_of_paths(timeline, own, scale, plans)
-            for timeline, own, scale in zip(walk.timelines, poses, log_scale, strict=True)
-        ]
-    )
-    return replace(track, on_plan=plans is not None)
+    return simulate_backward(filtered.blocks, closed, paths, rng)
+
+
+def _tracks(walk: WalkInput, parts: Sequence[DrawnPaths], plans: PlansInTime | None) -> Track:
+    """Make the tracks of all devices of the paths of one or several posteriors."""
+    tracks = []
+    for device, timeline in enumerate(walk.timelines):
+        poses = np.concatenate([part[0][device] for part in parts], axis=2)
+        log_scale = np.concatenate([part[1][device] for part in parts])
+        shift_m = np.concatenate([part[2][device] for part in parts], axis=2)
+        tracks.append(track_of_paths(timeline, poses, log_scale, plans, shift_m))
+    return replace(concatenate(tracks), on_plan=plans is not None)

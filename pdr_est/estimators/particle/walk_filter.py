@@ -8,7 +8,7 @@ import numpy as np
 from pdr_est.estimators.common.initial_state import SIGMA_INITIAL_HEADING_RAD
 from pdr_est.estimators.common.nodes import Node
 from pdr_est.estimators.common.tethers import PairTether
-from pdr_est.estimators.particle.cloud import DEVICE_ROWS, HEADING, LOG_SCALE, Cloud, effective, systematic
+from pdr_est.estimators.particle.cloud import DEVICE_ROWS, HEADING, LOG_SCALE, NORTH, Cloud, effective, systematic
 from pdr_est.estimators.particle.kernel import moved_by_kernel, roughened_scale
 from pdr_est.estimators.particle.likelihoods import (
     closure_likelihood,
@@ -23,6 +23,7 @@ from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.number import wanted_number
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.places.resampling import shares_by_place
+from pdr_est.estimators.particle.plan.displacement import draw_displacements, roughened_displacement, shift_at
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 
@@ -34,24 +35,22 @@ _SIGMA_ENTERING_M = 0.2  # of the place of a late device against that of another
 
 
 @dataclass
-class PlanFit:
-    """Evidence of the ways of a walk for the plan.
+class WalkEvidence:
+    """Evidence of a walk.
 
     Attributes
     ----------
-    log_evidence
-        Logarithm of the probability of all ways on the plan.
+    log_measurements
+        Logarithm of the probability density of all measurements.
+    log_ways
+        Logarithm of the probability of all ways on the plan, against a start anywhere; 0 without a plan.
     walls
         Number of walls that ways of their length meet where they have nothing to do with the plan.
     """
 
-    log_evidence: float = 0.0
+    log_measurements: float = 0.0
+    log_ways: float = 0.0
     walls: float = 0.0
-
-    def add(self, weights: Array, log_way: Array, walls: float) -> None:
-        """Add a step: weights (n,) of the particles, log probabilities (n,) of their ways, and its share of walls."""
-        self.log_evidence += float(np.log(weights @ np.exp(log_way)))
-        self.walls += walls
 
 
 class WalkFilter:
@@ -79,12 +78,12 @@ class WalkFilter:
         rng: np.random.Generator,
         anywhere: bool = False,
     ) -> None:
-        self.cloud = cloud
         self.plan = plan
-        self.fit = PlanFit()
+        self.evidence = WalkEvidence()
         self._parameters = parameters
         self._rng = rng
         self._anywhere = anywhere
+        self.cloud = cloud if plan is None or anywhere else _displaced(cloud, rng)
 
     def move(self, device: int, node: Node) -> None:
         """Move the particles of a device over the motion that leads to a node, within the walls of the plan."""
@@ -96,22 +95,30 @@ class WalkFilter:
             motion.move(rows, motion.chosen(rows.shape[1], self._rng), self._rng)
             self.cloud = replace(self.cloud, state=state)
             return
-        way = self.plan.move(rows, node, self._rng) / self.cloud.devices
-        self.fit.add(self.cloud.weights, way, node.length_m / self.plan.free_path_m / self.cloud.devices)
+        place_m = rows[: NORTH + 1]
+        shift_m = shift_at(self.cloud.displacement, place_m, self.plan.anchor_m)
+        place_m -= shift_m  # on the plan
+        log = self.plan.move(rows, node, self._rng)
         if self.plan.directions is not None:
-            way = way + self.plan.directions.log_weight(rows, node.length_m) / self.cloud.devices
-        trust = _TRUST_ANYWHERE if self._anywhere else 1.0
-        self.cloud = replace(self.cloud, state=state, log_weight=self.cloud.log_weight + trust * way)
+            log += self.plan.directions.log_weight(rows, node.length_m)
+        place_m += shift_m
+        self.cloud = replace(self.cloud, state=state)
+        self._weigh_by_plan(log, _TRUST_ANYWHERE if self._anywhere else 1.0)
+        free_m = max(self.plan.free_path_m, self.plan.stray_length_m)
+        self.evidence.walls += node.length_m / free_m / self.cloud.devices
 
     def begin(self, device: int) -> None:
         """Weigh the particles of a device by whether their start is walkable on the plan."""
         if self.plan is None:
             return
-        rows = self.cloud.device(device)
-        log = self.plan.log_place(rows) / self.cloud.devices
-        self.fit.add(self.cloud.weights, log, 0.0)
-        self.fit.log_evidence -= float(np.log(self.plan.walkable_share)) / self.cloud.devices
-        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + log)
+        self._weigh_by_plan(_log_place(self.plan, self.cloud, device))
+        self.evidence.log_ways -= float(np.log(self.plan.walkable_share)) / self.cloud.devices
+
+    def _weigh_by_plan(self, log: Array, trust: float = 1.0) -> None:
+        """Weigh the particles by the log probabilities (n,) of ways of a device, each device for its share."""
+        share = log / self.cloud.devices
+        self.evidence.log_ways += log_mean(self.cloud.log_weight, share)
+        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + trust * share)
 
     def change_floor(self, plan: PlanModel | None, devices: Iterable[int]) -> None:
         """Take the plan of the floor that the walker is on from now on; None between floors.
@@ -127,9 +134,11 @@ class WalkFilter:
         if plan is None or (before is not None and before.grid is plan.grid):
             return
         for device in devices:
-            log = plan.log_place(self.cloud.device(device)) / self.cloud.devices
-            self.fit.add(self.cloud.weights, log - np.log(plan.walkable_share) / self.cloud.devices, 0.0)
-            self._weigh(lambda cloud, own=device: plan.log_place(cloud.device(own)) / cloud.devices)  # type: ignore[misc]
+            log = (_log_place(plan, self.cloud, device) - np.log(plan.walkable_share)) / self.cloud.devices
+            known = self.evidence.log_measurements
+            ways = self.evidence.log_ways + log_mean(self.cloud.log_weight, log)
+            self._weigh(lambda cloud, own=device: _log_place(plan, cloud, own) / cloud.devices)  # type: ignore[misc]
+            self.evidence = WalkEvidence(known, ways, self.evidence.walls)
 
     def measure(self, device: int, node: Node) -> None:
         """Weigh the particles by the fixes and headings of a node."""
@@ -178,6 +187,8 @@ class WalkFilter:
             state[row] = roughened_scale(state[row], self._rng)
         left = np.log(weights[kept] / share[kept]) if self._anywhere else np.zeros(count)
         self.cloud = replace(self.cloud, state=state, log_weight=left)
+        if self.plan is not None and not self._anywhere:
+            self.cloud.displacement[:] = roughened_displacement(self.cloud.displacement, self._rng)
 
     def _weigh(self, likelihood: Callable[[Cloud], Array]) -> None:
         """Multiply the weights by a likelihood, in several parts where few particles would be left.
@@ -190,13 +201,34 @@ class WalkFilter:
         for _ in range(0 if self._anywhere else _MOST_PARTS):
             log = likelihood(self.cloud)
             part = _largest_part(self.cloud.log_weight, log, left)
+            self.evidence.log_measurements += log_mean(self.cloud.log_weight, part * log)
             self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + part * log)
             left -= part
             if left <= 1e-9:
                 return
             self.cloud = moved_by_kernel(self.cloud, self._rng, None if self.plan is None else self.plan.grid)
         log = likelihood(self.cloud)
+        self.evidence.log_measurements += log_mean(self.cloud.log_weight, left * log)
         self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + left * log)
+
+
+def log_mean(log_weight: Array, log: Array) -> float:
+    """Return the logarithm of the weighted mean of what has logarithms (n,), by logarithms (n,) of the weights."""
+    weights, most = np.exp(log_weight - log_weight.max()), float(log.max())
+    return most + float(np.log(weights @ np.exp(log - most) / weights.sum()))
+
+
+def _log_place(plan: PlanModel, cloud: Cloud, device: int) -> Array:
+    """Return the log probabilities (n,) of the places of a device on a plan, as the plan is displaced."""
+    place_m = cloud.device(device)[: NORTH + 1]
+    return plan.log_place(place_m - shift_at(cloud.displacement, place_m, plan.anchor_m))
+
+
+def _displaced(cloud: Cloud, rng: np.random.Generator) -> Cloud:
+    """Return a cloud whose particles say how the plan is displaced."""
+    found = replace(cloud, state=cloud.state.copy())
+    found.displacement[:] = draw_displacements(len(cloud), rng)
+    return found
 
 
 def _largest_part(log_weight: Array, log: Array, left: float) -> float:

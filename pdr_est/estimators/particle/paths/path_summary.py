@@ -19,7 +19,9 @@ _ROUNDS, _LEAST_M = 5, 1e-3  # of Weiszfeld's iteration, and the distance that c
 _WALKABLE = 0.5  # probability from which on a pose counts as on the plan
 
 
-def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, plans: PlansInTime | None) -> Track:
+def track_of_paths(
+    timeline: Timeline, poses: Array, log_scale: Array, plans: PlansInTime | None, shift_m: Array
+) -> Track:
     """Make the smoothed track of a device.
 
     Without a plan a pose is the mean of the paths. On a plan, the mean of ways round a wall may be inside of it: a
@@ -36,6 +38,8 @@ def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, plans: Pl
         (paths,) logarithms of the length scale.
     plans
         Plans of the floors of the walk, or None.
+    shift_m
+        (n, 2, paths) by how much the plan lies beside the poses, m.
     """
     place = poses[:, :2]
     position = place.mean(axis=2)
@@ -45,7 +49,7 @@ def track_of_paths(timeline: Timeline, poses: Array, log_scale: Array, plans: Pl
             grid = grids[begin]
             if grid is not None:
                 own = place[begin:end]
-                position[begin:end] = _on_plan(geometric_median(own), own, grid)
+                position[begin:end] = _on_plan(geometric_median(own), own, grid, shift_m[begin:end])
     vector = np.exp(1j * poses[:, 2]).mean(axis=1)
     heading = np.angle(vector)
     off = np.concatenate([place - position[:, :, None], wrap_angle(poses[:, 2] - heading[:, None])[:, None]], axis=1)
@@ -73,12 +77,13 @@ def _stretches(grids: Sequence[PlanGrid | None]) -> list[tuple[int, int]]:
     return list(pairwise([0, *changes, len(grids)]))
 
 
-def _on_plan(position: Array, place: Array, grid: PlanGrid) -> Array:
+def _on_plan(position: Array, place: Array, grid: PlanGrid, shift_m: Array) -> Array:
     """Return positions (n, 2), those off the plan moved to the nearest walkable point of a path (n, 2, k)."""
-    position = position.copy()
+    middle = np.median(shift_m, axis=2)
+    position, place = position - middle, place - shift_m
     for row in np.flatnonzero(grid.at(position[:, 0], position[:, 1]) < _WALKABLE):
         walkable = place[row][:, grid.at(place[row, 0], place[row, 1]) >= _WALKABLE]
         if walkable.shape[1]:
             nearest = np.argmin(np.hypot(*(walkable - position[row][:, None])))
             position[row] = walkable[:, nearest]
-    return position
+    return np.asarray(position + middle)

@@ -42,6 +42,8 @@ class PlanModel:
         Share of the rectangle about the plan that is walkable.
     pass_probability, stray_length_m
         As in the settings.
+    anchor_m
+        (2,) east and north of the point about which the plan may be stretched, m.
     """
 
     name: str
@@ -52,12 +54,14 @@ class PlanModel:
     walkable_share: float
     pass_probability: float
     stray_length_m: float
+    anchor_m: Array
 
     @classmethod
     def of(cls, plan: FloorPlan, parameters: ParticleParams, window_m: Window | None = None) -> "PlanModel":
         """Make the model of a plan, or of the part of it inside a window that the walk cannot leave."""
         grid = grid_of(plan, parameters.cell_m, window_m)
         walls, area_m2 = segments_of(plan), walkable_area_m2(plan)
+        corners_m = walls.reshape(-1, 2)
         length_m = float(np.hypot(*(walls[:, 1] - walls[:, 0]).T).sum())
         return cls(
             name=plan.name,
@@ -65,9 +69,10 @@ class PlanModel:
             directions=nearest_walls(plan, grid),
             free_path_m=np.pi * area_m2 / length_m,  # Cauchy's formula of the mean chord
             area_m2=area_m2,
-            walkable_share=area_m2 / float(np.prod(np.ptp(walls.reshape(-1, 2), axis=0))),
+            walkable_share=area_m2 / float(np.prod(np.ptp(corners_m, axis=0))),
             pass_probability=parameters.pass_probability,
             stray_length_m=parameters.stray_length_m,
+            anchor_m=np.clip(0.0, corners_m.min(axis=0), corners_m.max(axis=0)),
         )
 
     def particles_anywhere(self, parameters: ParticleParams) -> int:
