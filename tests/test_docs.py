@@ -34,6 +34,8 @@ from pdr_est.io.tables.quantities import Quantity
 
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+FIRST_PAGES = ("README", "getting-started", "own-recording", "python")
+"""Pages whose blocks the fast tests run; what a block needs may stand in an earlier one of its page."""
 LARGEST_PICTURE_BYTES = 150_000
 MOST_README_LINES = 200
 GENERATED = ("changelog.md", "papers.md")  # pages of the site that lie elsewhere in the repository
@@ -63,7 +65,13 @@ def folder_of(demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[
     return folder
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
+@pytest.mark.parametrize(
+    "block",
+    [
+        pytest.param(block, id=block.name, marks=[] if block.page.stem in FIRST_PAGES else [pytest.mark.slow])
+        for block in BLOCKS
+    ],
+)
 def test_block(block: Block, folder_of: Callable[[Path], Path], monkeypatch: pytest.MonkeyPatch) -> None:
     assert block.language in LANGUAGES, f"{block.name}: name the language of the block, one of {LANGUAGES}"
     folder = folder_of(block.page)

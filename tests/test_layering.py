@@ -4,12 +4,14 @@ import ast
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
+from package_sources import PACKAGE as ROOT
+from package_sources import REPOSITORY, package_trees
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-PACKAGE = "pdr_est"
+PACKAGE = ROOT.name
 
 # A part may import what stands in an earlier group, and itself; never its neighbours in the same group. The longest
 # name that fits a module places it.
@@ -91,15 +93,19 @@ class Import:
     name: str
 
 
-def sources() -> dict[str, Path]:
-    """Files of the package by dotted module name, which is empty for the facade."""
-    root = REPOSITORY / PACKAGE
-    files = {path: path.relative_to(root).with_suffix("").parts for path in sorted(root.rglob("*.py"))}
-    return {".".join(parts[:-1] if parts[-1] == "__init__" else parts): path for path, parts in files.items()}
+def module_name(path: str) -> str:
+    """Name the module of a file below the package by dots; the facade has an empty name."""
+    parts = Path(path).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-MODULES = sources()
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+MODULES = {module_name(path.relative_to(ROOT).as_posix()): path for path in sorted(ROOT.rglob("*.py"))}
+
+
+@cache
+def trees() -> dict[str, ast.Module]:
+    """Syntax trees of the package by dotted module name."""
+    return {module_name(path): tree for path, tree in package_trees().items()}
 
 
 def imported(tree: ast.Module) -> Iterator[tuple[int, str]]:
@@ -116,12 +122,19 @@ def within(module: str, part: str) -> bool:
     return module == part or module.startswith(f"{part}.")
 
 
-IMPORTS = [Import(module, line, name) for module, tree in TREES.items() for line, name in imported(tree)]
-INNER = [
-    Import(item.importer, item.line, item.name.removeprefix(PACKAGE).removeprefix("."))
-    for item in IMPORTS
-    if within(item.name, PACKAGE)
-]
+@cache
+def imports() -> tuple[Import, ...]:
+    return tuple(Import(module, line, name) for module, tree in trees().items() for line, name in imported(tree))
+
+
+@cache
+def inner_imports() -> tuple[Import, ...]:
+    """Imports of the package's own modules."""
+    return tuple(
+        Import(item.importer, item.line, item.name.removeprefix(PACKAGE).removeprefix("."))
+        for item in imports()
+        if within(item.name, PACKAGE)
+    )
 
 
 def part_of(module: str) -> str | None:
@@ -144,7 +157,7 @@ def test_every_module_has_a_place_in_the_order() -> None:
 
 
 def test_imports_run_one_way() -> None:
-    wrong = [f"{item.importer}:{item.line} imports {item.name}" for item in INNER if not allowed(item)]
+    wrong = [f"{item.importer}:{item.line} imports {item.name}" for item in inner_imports() if not allowed(item)]
     assert wrong == []
 
 
@@ -178,7 +191,9 @@ def test_the_order_is_noticed_when_broken() -> None:
 @pytest.mark.parametrize("wing", WINGS)
 def test_wings_never_see_each_other(wing: str) -> None:
     others = [other for other in WINGS if other != wing]
-    seen = [item for item in INNER if within(item.importer, wing) and any(within(item.name, o) for o in others)]
+    seen = [
+        item for item in inner_imports() if within(item.importer, wing) and any(within(item.name, o) for o in others)
+    ]
     assert seen == []
 
 
@@ -190,13 +205,13 @@ def test_no_folder_is_crowded() -> None:
 
 @pytest.mark.parametrize("library", LIBRARIES)
 def test_a_library_is_known_in_few_places(library: str) -> None:
-    users = {item.importer for item in IMPORTS if within(item.name, library)}
+    users = {item.importer for item in imports() if within(item.name, library)}
     assert {user for user in users if not any(within(user, place) for place in LIBRARIES[library])} == set()
 
 
 def test_the_package_imports_neither_experiments_nor_tests() -> None:
     outside = ("experiments", "tests", "conftest", "pytest", "hypothesis")
-    assert [item for item in IMPORTS if any(within(item.name, name) for name in outside)] == []
+    assert [item for item in imports() if any(within(item.name, name) for name in outside)] == []
 
 
 def test_modules_are_small() -> None:
@@ -208,7 +223,7 @@ def test_modules_are_small() -> None:
 def test_functions_are_small() -> None:
     long = {
         f"{name}.{node.name}": length
-        for name, tree in TREES.items()
+        for name, tree in trees().items()
         for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
         if (length := (node.end_lineno or 0) - node.lineno + 1) >= MOST_FUNCTION_LINES
@@ -219,7 +234,7 @@ def test_functions_are_small() -> None:
 def test_only_the_command_line_prints() -> None:
     printing = [
         f"{name}:{node.lineno}"
-        for name, tree in TREES.items()
+        for name, tree in trees().items()
         if not within(name, "cli")
         for node in ast.walk(tree)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"

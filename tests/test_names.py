@@ -2,12 +2,9 @@
 
 import ast
 from collections import defaultdict
-from pathlib import Path
 
-import pytest
+from package_sources import package_trees
 
-PACKAGE = Path(__file__).resolve().parents[1] / "pdr_est"
-MODULES = {str(path.relative_to(PACKAGE)): ast.parse(path.read_text("utf-8")) for path in PACKAGE.rglob("*.py")}
 INTERFACES = {
     "sniff",
     "read_source",
@@ -20,7 +17,7 @@ FRAGMENTS = ("Of ", "What ", "Whether ", "How ", "Where ", "Which ", "Whose ", "
 
 def test_no_two_public_classes_or_functions_share_a_name() -> None:
     places = defaultdict(list)
-    for module, tree in MODULES.items():
+    for module, tree in package_trees().items():
         for node in tree.body if module != FACADE else ():
             if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
                 places[node.name].append(module)
@@ -28,22 +25,29 @@ def test_no_two_public_classes_or_functions_share_a_name() -> None:
     assert shared == {}
 
 
-@pytest.mark.parametrize("module", sorted(MODULES))
-def test_no_docstring_begins_as_a_fragment(module: str) -> None:
+def test_no_docstring_begins_as_a_fragment() -> None:
+    found = {module: openings for module, tree in package_trees().items() if (openings := fragments(tree))}
+    assert found == {}
+
+
+def fragments(tree: ast.Module) -> list[str]:
     nodes = [
         node
-        for node in ast.walk(MODULES[module])
+        for node in ast.walk(tree)
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
     ]
     openings = [(ast.get_docstring(node) or "").split("\n")[0] for node in nodes]
-    found = [opening for opening in openings if opening.startswith(FRAGMENTS)]
-    assert found == []
+    return [opening for opening in openings if opening.startswith(FRAGMENTS)]
 
 
-@pytest.mark.parametrize("module", sorted(MODULES))
-def test_every_field_of_a_parameter_record_is_documented(module: str) -> None:
+def test_every_field_of_a_parameter_record_is_documented() -> None:
+    found = {module: bare for module, tree in package_trees().items() if (bare := undocumented_fields(tree))}
+    assert found == {}
+
+
+def undocumented_fields(tree: ast.Module) -> list[str]:
     bare = []
-    for node in ast.walk(MODULES[module]):
+    for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef) and any(ast.unparse(item) == "params" for item in node.decorator_list):
             following = [*node.body[1:], None]
             bare += [
@@ -52,4 +56,10 @@ def test_every_field_of_a_parameter_record_is_documented(module: str) -> None:
                 if isinstance(field, ast.AnnAssign)
                 and not (isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant))
             ]
-    assert bare == []
+    return bare
+
+
+def test_a_fragment_and_a_bare_field_are_noticed() -> None:
+    tree = ast.parse('"""Of a fragment."""\n\n\n@params\nclass Some:\n    """Return."""\n\n    a: int\n    b: int\n')
+    assert fragments(tree) == ["Of a fragment."]
+    assert undocumented_fields(tree) == ["Some.a", "Some.b"]

@@ -8,7 +8,6 @@ import pytest
 
 TESTS = Path(__file__).resolve().parent
 PACKAGE = "pdr_est"
-FILES = {str(path.relative_to(TESTS)): path for path in sorted(TESTS.rglob("*.py"))}
 PATCHERS = ("setattr", "delattr", "getattr", "hasattr", "patch", "object")  # which take names as strings
 NAMED_TUPLE = {"_replace", "_asdict", "_fields", "_make"}
 
@@ -60,9 +59,9 @@ def private_uses(source: str) -> Iterator[str]:
                 yield f"{node.lineno}: {ast.unparse(node)}"
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_no_private_name_of_the_package_is_touched(name: str) -> None:
-    assert list(private_uses(FILES[name].read_text(encoding="utf-8"))) == []
+def test_no_private_name_of_the_package_is_touched() -> None:
+    files = {str(path.relative_to(TESTS)): path.read_text(encoding="utf-8") for path in TESTS.rglob("*.py")}
+    assert {name: uses for name, source in files.items() if (uses := list(private_uses(source)))} == {}
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,14 @@ def hook(name: str) -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize("script", TUTORIALS, ids=lambda script: script.stem)
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(script, marks=[pytest.mark.slow] if script.stem == "compare-two-estimators" else [])
+        for script in TUTORIALS
+    ],
+    ids=lambda script: script.stem,
+)
 def test_a_tutorial_runs_and_becomes_a_page(script: Path, tmp_path: Path) -> None:
     page = hook("tutorials").render(script, tmp_path)
     title = script.read_text(encoding="utf-8").split("\n")[0].removeprefix('"""')

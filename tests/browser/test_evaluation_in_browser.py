@@ -11,6 +11,8 @@ from pdr_est.cli import main
 
 OPEN = Callable[..., Page]
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:

@@ -78,6 +78,7 @@ def test_a_replay_grows_ends_and_shows_its_report(tmp_path: Path, open_page: Cal
         assert page.locator("#steps").inner_text() == str(len(whole.track) - 1)
 
 
+@pytest.mark.slow
 def test_the_walker_states_a_position(tmp_path: Path, open_page: Callable[..., Page]) -> None:
     walk = tmp_path / "walk.csv"
     write_plain_csv(simulate_walk(preset("l_shape")).recording, walk)
@@ -97,6 +98,7 @@ def test_the_walker_states_a_position(tmp_path: Path, open_page: Callable[..., P
         page.wait_for_selector("body[data-state=ended]", timeout=PATIENCE_MS)
 
 
+@pytest.mark.slow
 def test_a_phone_too_many_is_told_and_may_still_state_positions(
     tmp_path: Path, open_page: Callable[..., Page]
 ) -> None:

@@ -112,7 +112,10 @@ def refused_at_last(*words: str) -> str:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
-@pytest.mark.parametrize("words", [["--help"], ["steps", "--help"], ["steps", "{walk}"], ["track", "{walk}"]])
+@pytest.mark.parametrize(
+    "words",
+    [["--help"], ["steps", "--help"], ["steps", "{walk}"], pytest.param(["track", "{walk}"], marks=pytest.mark.slow)],
+)
 def test_a_full_standard_output_is_told_in_a_line(words: list[str], good: Path) -> None:
     command = (*PROGRAM, *(word.format(walk=good) for word in words))
     with Path("/dev/full").open("wb") as full:

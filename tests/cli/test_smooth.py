@@ -342,7 +342,8 @@ def test_the_output_may_lie_in_the_folder_of_the_recording(lines: list[str], tmp
     smoothed(tmp_path, tmp_path / "out", "--overwrite")
 
 
-@pytest.mark.parametrize("overwrite", [pytest.param(False, marks=pytest.mark.slow), True])
+@pytest.mark.slow
+@pytest.mark.parametrize("overwrite", [False, True])
 def test_ctrl_c_leaves_everything_as_it_was(overwrite: bool, good: Path, tmp_path: Path) -> None:
     if overwrite:
         smoothed(good, tmp_path / "out")

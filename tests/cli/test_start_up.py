@@ -32,24 +32,25 @@ import sys
 from click.testing import CliRunner
 from pdr_est.cli import main
 
-for words in {calls!r}:
+for names, words in {calls!r}:
     result = CliRunner().invoke(main, words, prog_name="pdr-est")
     assert result.exit_code == 0, result.output
-    loaded = {names!r} & set(sys.modules)
+    loaded = names & set(sys.modules)
     assert not loaded, f"pdr-est {{' '.join(words)}} loads {{', '.join(sorted(loaded))}}"
 """
 
 
-def call_without(names: set[str], *calls: list[str]) -> None:
-    """Make some calls in one new process, which must succeed and load none of these modules."""
-    code = CALLS.format(calls=calls, names=names)
+def call_without(*calls: tuple[set[str], list[str]]) -> None:
+    """Make some calls in one new process, which must succeed; after each, none of its modules is loaded."""
+    code = CALLS.format(calls=calls)
     done = subprocess.run((sys.executable, "-c", code), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
 def test_help_loads_nothing_slow() -> None:
     inner = [["config", "show", "--help"], ["config", "schema", "--help"]]
-    call_without(SLOW, ["--help"], ["--version"], *([name, "--help"] for name in COMMANDS), *inner)
+    calls = [["--help"], ["--version"], *([name, "--help"] for name in COMMANDS), *inner]
+    call_without(*((SLOW, words) for words in calls))
 
 
 def completed(words: str) -> tuple[list[str], str]:
@@ -117,14 +118,17 @@ def test_the_settings_that_a_benchmark_compares_are_those_of_the_package() -> No
 
 def test_finding_steps_and_smoothing_load_no_scipy(good: Path, tmp_path: Path) -> None:
     tracks = {"pdr_est.estimators.fix_checks", "pdr_est.estimators.kalman", "pdr_est.estimators.person"}
-    call_without(NEVER | NUMERICS | tracks, ["inspect", str(good)], ["steps", str(good)])
     smooth = ["smooth", str(good), "-o", str(tmp_path / "out"), "--quiet"]
-    call_without(NEVER | NUMERICS, [*smooth, "--no-report"])
-    call_without((NEVER | NUMERICS | {"matplotlib.pyplot"}) - PICTURES, [*smooth, "--overwrite"])
+    call_without(
+        (NEVER | NUMERICS | tracks, ["inspect", str(good)]),
+        (NEVER | NUMERICS | tracks, ["steps", str(good)]),
+        (NEVER | NUMERICS, [*smooth, "--no-report"]),
+        ((NEVER | NUMERICS | {"matplotlib.pyplot"}) - PICTURES, [*smooth, "--overwrite"]),
+    )
 
 
 @pytest.mark.slow
 def test_a_command_loads_only_what_it_uses(good: Path, tmp_path: Path) -> None:
     smooth = ["smooth", str(good), "-o", str(tmp_path / "out"), "--overwrite", "--no-report", "--quiet"]
-    call_without(NEVER | {"gtsam"}, [*smooth, "--estimator", "ekf"])
-    call_without(NEVER, [*smooth, "--estimator", "fixed-lag"])
+    ekf, fixed_lag = ([*smooth, "--estimator", name] for name in ("ekf", "fixed-lag"))
+    call_without((NEVER | {"gtsam"}, ekf), (NEVER, fixed_lag))

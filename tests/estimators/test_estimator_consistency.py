@@ -15,7 +15,7 @@ from pdr_est.types.measurements import StartPose
 from pdr_est.types.track import Track
 
 STEPS = 45
-SAMPLE, TRIALS = 30, 80
+SAMPLE, TRIALS = 18, 80
 sizes = pytest.mark.parametrize(
     "trials", [SAMPLE, pytest.param(TRIALS, marks=pytest.mark.slow)], ids=["sample", "all"]
 )

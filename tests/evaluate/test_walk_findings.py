@@ -88,7 +88,7 @@ def test_a_fix_that_alone_tells_the_position_cannot_disagree():
     assert fix_residual(alone, track).squared < 1.0
 
 
-@pytest.mark.parametrize("name", ["ekf", "factor-graph"])
+@pytest.mark.parametrize("name", ["ekf", pytest.param("factor-graph", marks=pytest.mark.slow)])
 def test_right_fixes_are_findings_as_seldom_as_stated(name):
     walks = [walk_with_fixes(seed) for seed in range(40)]
     alarms = [bool(fix_findings(run(name, walk.measurements, KNOWN), walk.fixes)) for walk in walks]

@@ -57,22 +57,22 @@ def test_the_methods_that_a_paper_is_compared_with(stem: str, key: str, values: 
         assert {config.estimator.map_fusion.feedback for config in configs} == {False, True}
 
 
-def named(paths: list[Path], slow: str = "") -> pytest.MarkDecorator:
-    """A case for each file; that of the name `slow` takes seconds."""
+def named(paths: list[Path], slow: tuple[str, ...]) -> pytest.MarkDecorator:
+    """A case for each file; those of the names `slow` take seconds."""
     return pytest.mark.parametrize(
         "path",
-        [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if path.stem == slow else []) for path in paths],
+        [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if path.stem in slow else []) for path in paths],
     )
 
 
-@named(SIMULATED)
+@named(SIMULATED, slow=("two-phones", "robust-dr", "scale", "uptime-trips"))
 def test_simulated(path: Path, tmp_path: Path) -> None:
     experiment = load_experiment(path, limit=1)
     shorter = replace(experiment, walks=tuple(shortened(walk) for walk in experiment.walks))
     check(shorter, tmp_path / "out")
 
 
-@named(RECORDED, slow="weallwalk")
+@named(RECORDED, slow=("weallwalk", "floor-plan", "oxiod"))
 def test_recorded(path: Path, tmp_path: Path, shared_data: Path) -> None:
     if not (shared_data / suite_named(CONTENTS[path.stem]["data"]["suite"]).folder).is_dir():
         pytest.skip("the data set is not there")

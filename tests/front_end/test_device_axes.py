@@ -58,7 +58,7 @@ def test_turned_axes_leave_north_where_it_was() -> None:
         assert [getattr(m, name) for m in after] == pytest.approx([getattr(m, name) for m in before], abs=1e-6)
 
 
-@pytest.mark.parametrize("estimator", ["dead-reckoning", "ekf", "factor-graph"])
+@pytest.mark.parametrize("estimator", ["dead-reckoning", "ekf", pytest.param("factor-graph", marks=pytest.mark.slow)])
 def test_a_start_heading_turns_the_track_and_changes_nothing_else(estimator: str) -> None:
     recording = simulate_walk(WALKS["put away and taken out"]).recording
     for heading_rad in (2.0, -3.0):

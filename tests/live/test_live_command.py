@@ -78,6 +78,7 @@ def test_an_interrupt_ends_the_walk_and_a_second_one_the_server(tmp_path: Path) 
         assert "Traceback" not in errors
 
 
+@pytest.mark.slow
 def test_a_request_to_end_ends_everything(tmp_path: Path) -> None:
     with running("-o", str(tmp_path / "out")) as (process, address):
         with urlopen(address, timeout=20.0) as page:

@@ -44,6 +44,7 @@ def test_the_recording_holds_the_samples_to_the_last_bit(new_walk: NewWalk, tmp_
             np.testing.assert_array_equal(again.signals()[name].values, signal.values)
 
 
+@pytest.mark.slow
 def test_two_phones_are_one_walker_as_in_a_whole_recording(new_walk: NewWalk, tmp_path: Path) -> None:
     recording, messages = recorded(2), []
     session = new_walk(tmp_path / "walk", KNOWN_START, **FOREVER)

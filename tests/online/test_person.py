@@ -93,6 +93,7 @@ def test_any_cut_gives_the_same(gap: bool, fixes: tuple, config: Config) -> None
     same(of_person(push_all(tracker, slices(recording, cuts))), in_seconds(config, gap, fixes))
 
 
+@pytest.mark.slow
 def test_sample_by_sample_and_device_by_device_are_the_same() -> None:
     recording = recorded(2, gap=True, short=True)
     whole = in_seconds(KNOWN_START, gap=True, short=True)

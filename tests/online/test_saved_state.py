@@ -90,7 +90,7 @@ def first_seen(tracker: Tracker, blocks: list[tuple[str, SensorBlock]], kind: st
     return found
 
 
-@pytest.mark.parametrize("devices", [1, 2])
+@pytest.mark.parametrize("devices", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_filtered_poses_come_within_the_declared_latency(devices: int) -> None:
     recording, block_s = recorded(devices), 0.1
     tracker = tracker_of(recording, KNOWN_START)

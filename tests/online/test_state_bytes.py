@@ -211,13 +211,17 @@ def alike(one: Any, two: Any) -> bool:
     return bool(one == two) or repr(one) == repr(two)
 
 
-@settings(max_examples=200, deadline=None)
-@given(st.recursive(LEAVES, collections_of, max_leaves=12))
-def test_data_come_back_exactly(value: Any) -> None:
-    (again,) = unpack(pack([value]), list)
-    assert alike(again, value)
-    assert getattr(again, "maxlen", None) == getattr(value, "maxlen", None)
-    assert getattr(again, "default_factory", None) is getattr(value, "default_factory", None)
+@pytest.mark.parametrize("examples", [40, pytest.param(200, marks=pytest.mark.slow)])
+def test_data_come_back_exactly(examples: int) -> None:
+    @settings(max_examples=examples, deadline=None)
+    @given(st.recursive(LEAVES, collections_of, max_leaves=12))
+    def comes_back(value: Any) -> None:
+        (again,) = unpack(pack([value]), list)
+        assert alike(again, value)
+        assert getattr(again, "maxlen", None) == getattr(value, "maxlen", None)
+        assert getattr(again, "default_factory", None) is getattr(value, "default_factory", None)
+
+    comes_back()
 
 
 def test_what_is_shared_is_shared_again_and_circles_close() -> None:

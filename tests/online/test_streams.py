@@ -162,6 +162,7 @@ def test_a_first_fix_after_more_than_can_be_remembered() -> None:
     assert np.isfinite(state.covariance).all()
 
 
+@pytest.mark.slow
 def test_delayed_estimates_survive_a_restart() -> None:
     recording = recorded(2)
     config: Config = replace(

@@ -72,6 +72,7 @@ def test_one_device_after_the_other_gives_the_same() -> None:
     same_poses(push_all(tracker, blocks), offline(recording, KNOWN_START))
 
 
+@pytest.mark.slow
 def test_one_sample_at_a_time_with_a_restart_between() -> None:
     recording = recorded(2, gap=True, short=True)
     blocks = slices(recording, [np.arange(0.0, 60.0, 0.005)] * 2)
@@ -134,7 +135,7 @@ def test_delayed_estimates_are_those_of_the_smoother(devices: int, late: bool) -
 
 def test_a_fix_that_cannot_be_used_takes_nothing_with_it() -> None:
     """Work that waits behind single samples is not lost when a fix is refused in between."""
-    recording = recorded(1)
+    recording = recorded(1, short=True)
     tracker, updates = tracker_of(recording, KNOWN_START), []
     for number, (name, block) in enumerate(slices(recording, [np.arange(0.0, 60.0, 0.005)])):
         updates += tracker.push(name, block)

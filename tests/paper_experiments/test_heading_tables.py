@@ -13,6 +13,7 @@ from pdr_est.simulate import simulate_walk
 RESULTS = Path(__file__).resolve().parents[2] / "experiments" / "results"
 
 
+@pytest.mark.slow
 def test_psp_table_1_of_two_tests() -> None:
     table = experiment("psp_table1")
     trained = table.training_percent({"I": table.walks("I", "paper", 101, tests=2)})
@@ -32,6 +33,7 @@ def test_psp_table_1_of_two_tests() -> None:
     assert np.isnan(returns.mean_m("psp", "right, clockwise"))
 
 
+@pytest.mark.slow
 def test_psp_table_1_is_of_the_pipeline() -> None:
     """The headings of the table, reckoned by themselves, are the dead reckoning of the pipeline."""
     table = experiment("psp_table1")

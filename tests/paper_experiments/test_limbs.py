@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Literal
 
 import numpy as np
+import pytest
 
 from pdr_est.config import Config
 from pdr_est.frames import Array, up_in_device
@@ -79,6 +80,7 @@ def values(mode: Literal["SWING", "POCKET"], name: str) -> Array:
     return np.array([getattr(one, name) for one in limbs(mode)])
 
 
+@pytest.mark.slow
 def test_arms_swing_as_smoothly_as_real_ones() -> None:
     """Really 0.05 to 0.12 where the arm is accelerated by 9 m/s^2, 0.17 at 5 and 0.39 at 2 m/s^2."""
     ratio, forward_mps2 = values("SWING", "forward_ratio"), values("SWING", "forward_mps2")
@@ -90,6 +92,7 @@ def test_arms_swing_as_smoothly_as_real_ones() -> None:
     assert 8.0 < forward_mps2.max() < 14.0
 
 
+@pytest.mark.slow
 def test_arms_do_not_hide_the_steps() -> None:
     """The vertical acceleration twice a stride is really 2.1 to 3.4 m/s^2."""
     bounce_mps2 = values("SWING", "bounce_mps2")
@@ -97,6 +100,7 @@ def test_arms_do_not_hide_the_steps() -> None:
     assert 2.1 <= np.median(bounce_mps2) <= 3.4
 
 
+@pytest.mark.slow
 def test_mmpdr_counts_the_steps_of_swinging_arms_as_of_real_ones() -> None:
     """Really 0.97 to 1.05; a walk of 30 m gains a step or two as the arm comes to rest."""
     counted = values("SWING", "counted")
@@ -105,6 +109,7 @@ def test_mmpdr_counts_the_steps_of_swinging_arms_as_of_real_ones() -> None:
     assert counted.max() <= 1.2
 
 
+@pytest.mark.slow
 def test_thighs_swing_as_far_as_real_ones() -> None:
     """The mean cosine of the tilt is 0.952 to 0.993 in MotionSense (median 0.964), 0.989 to 0.992 in OxIOD."""
     kept = values("POCKET", "kept_turn")
@@ -113,6 +118,7 @@ def test_thighs_swing_as_far_as_real_ones() -> None:
     assert 0.958 <= np.median(kept) <= 0.977
 
 
+@pytest.mark.slow
 def test_mmpdr_counts_the_steps_of_pockets_as_of_real_ones() -> None:
     """Really 0.84 to 1.11 in MotionSense, 0.98 over all; 0.49 to 0.55 in OxIOD, two of 18 people."""
     counted = values("POCKET", "counted")

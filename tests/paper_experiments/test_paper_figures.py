@@ -31,6 +31,7 @@ def test_mmpdr_figures_of_one_walker() -> None:
     assert len(figures.errors_figure(curves).axes) == 2
 
 
+@pytest.mark.slow
 def test_psp_figure_3_of_one_walk() -> None:
     figure = experiment("psp_figure3")
     scenario = figure.of_a_man("I", "paper", "clockwise", 0)

@@ -18,6 +18,7 @@ def recorded(stem: str) -> Any:
     return json.loads((RESULTS / f"{stem}.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_psp_table_1_of_the_first_test() -> None:
     table, document = experiment("psp_table1"), recorded("psp_table1")
     for block in document["blocks"]:
@@ -36,7 +37,9 @@ def test_psp_figure_3_of_one_walk() -> None:
         assert panel.return_error_percent(method) == pytest.approx(row[method], abs=0.02), REMEDY
 
 
-@pytest.mark.parametrize(("words", "opposed"), [("trials", False), ("opposed compasses", True)])
+@pytest.mark.parametrize(
+    ("words", "opposed"), [pytest.param("trials", False, marks=pytest.mark.slow), ("opposed compasses", True)]
+)
 def test_robust_dr_figure_4_of_the_first_trial(words: str, opposed: bool) -> None:
     figure, document = experiment("robust_dr_figure4"), recorded("robust_dr_figure4")
     (scenario,) = robust_dr_trials(document["seed"], 1, opposed_compasses=opposed)
@@ -74,6 +77,7 @@ def test_mmpdr_table_10_of_one_row() -> None:
         assert table.of_row(errors[chain])[3] == pytest.approx(numbers["position_m"], abs=0.02), (chain, REMEDY)
 
 
+@pytest.mark.slow
 def test_uptime_figure_7_of_the_simulated_trip() -> None:
     figure, document = experiment("uptime_figure7"), recorded("uptime_figure7")
     trips = figure.as_document({"simulated": figure.simulated_trip(0)})

@@ -131,6 +131,7 @@ def test_every_recorded_result_is_of_a_task() -> None:
     assert found - outputs - {"results/fingerprints.json"} == set()
 
 
+@pytest.mark.slow
 def test_the_fingerprint_of_a_table_holds_the_front_end() -> None:
     """A change of a stage, of a script's helper or of a gait model makes a table old."""
     place = experiment("all").place_with(None)

@@ -23,6 +23,7 @@ def script():
         yield runpy.run_path(str(SCRIPT))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gait", REAL)
 def test_the_medians_of_simulated_pockets_lie_among_the_real_ones(script, gait) -> None:
     walks = script["simulated_gaits"](gait)

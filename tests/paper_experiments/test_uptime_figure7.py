@@ -56,6 +56,7 @@ def test_the_script_on_a_simulated_trip(figure7, tmp_path) -> None:
     assert len(figure7.as_text(trips).splitlines()) == 4 + 2 * len(figure7.MODELS)
 
 
+@pytest.mark.slow
 def test_the_trip_of_the_paper_is_cut_at_its_stops_and_fixed_lengths_lose_where_somebody_runs(figure7) -> None:
     trip = figure7.gaits_trip(0)
     assert [round(walk.true_m.sum() / 10.0) for walk in trip] == [8, 16, 18, 5]

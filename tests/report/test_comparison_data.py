@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from pdr_est.report.comparison.comparison_data import comparison_data
 from pdr_est.report.comparison.plots import plot_tracks
@@ -89,5 +90,11 @@ def test_a_large_comparison_stays_small() -> None:
     ]
     data = described(wild)
     assert len(inline_json(data["lines"])) < 60 * 1000 * 7
+
+
+@pytest.mark.slow
+def test_thousands_of_tracks_stay_small() -> None:
+    rng = np.random.default_rng(0)
+    wild = [replace(outcome("0", "v", 1.0), position_m=np.cumsum(rng.standard_normal((1000, 2)), axis=0))]
     tracks = [replace(wild[0], walk=f"{number}") for number in range(4000)]
     assert len(inline_json(described(tracks)["lines"])) < 7_000_000

@@ -87,7 +87,9 @@ def test_the_mode_walks_are_those_of_the_paper() -> None:
     assert mmpdr_mode_walks(3, seed=5) != mmpdr_mode_walks(3, seed=6)
 
 
-@pytest.mark.parametrize("number", [0, 8, 16])
+@pytest.mark.parametrize(
+    "number", [pytest.param(0, marks=pytest.mark.slow), 8, pytest.param(16, marks=pytest.mark.slow)]
+)
 def test_modes_change_while_walking(number: int) -> None:
     walk = simulate_walk(mmpdr_mode_walks()[number])
     assert walk.distance_m == pytest.approx(80.0)
@@ -97,6 +99,7 @@ def test_modes_change_while_walking(number: int) -> None:
     assert all(0.8 <= change.duration_s <= 1.6 for change in changes)
 
 
+@pytest.mark.slow
 def test_phones_tip_on_their_way_into_a_pocket_as_real_ones_do() -> None:
     """At most 0.58 to 0.86 of gravity are along x in ten real changes, mean 0.73."""
     sideways = []
@@ -111,6 +114,7 @@ def test_phones_tip_on_their_way_into_a_pocket_as_real_ones_do() -> None:
     assert np.mean(np.array(sideways) > 0.9) < 0.1
 
 
+@pytest.mark.slow
 def test_most_changes_turn_as_fast_as_the_papers_threshold() -> None:
     """MMPDR section IV-B: of 106 changes 98 pass 3 rad/s about y or 5 rad/s about z, as the mode before asks."""
     passed = []
@@ -151,7 +155,14 @@ def test_walks_as_published_begin_in_the_hand(mode: CarryingMode) -> None:
     assert 2.0 < _walked_m(walk, float(modes.start_s[1])) < 4.5
 
 
-@pytest.mark.parametrize("modes", [(HOLDING, POCKET), (HOLDING, SWING, POCKET), (HOLDING, SWING, HOLDING, POCKET)])
+@pytest.mark.parametrize(
+    "modes",
+    [
+        (HOLDING, POCKET),
+        pytest.param((HOLDING, SWING, POCKET), marks=pytest.mark.slow),
+        pytest.param((HOLDING, SWING, HOLDING, POCKET), marks=pytest.mark.slow),
+    ],
+)
 def test_changes_as_published_are_far_from_corners(modes: tuple[CarryingMode, ...]) -> None:
     for seed in range(6):
         walk = simulate_walk(mmpdr_published(*modes, seed=seed))

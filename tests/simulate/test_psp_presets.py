@@ -58,6 +58,7 @@ def test_a_phone_on_a_swinging_leg_turns_too_little_about_its_y_axis() -> None:
     assert 0.90 < turned / true < 0.97
 
 
+@pytest.mark.slow
 def test_a_phone_held_upright_turns_as_the_walker_does() -> None:
     rate, turn_rate, cosine = y_rates(STANDING_UPRIGHT)
     np.testing.assert_allclose(cosine, 1.0, atol=1e-9)
@@ -126,6 +127,7 @@ def test_legs_of_the_papers_gyroscope_swing_in_a_plane_by_what_is_said() -> None
     np.testing.assert_allclose(np.abs(small.devices[0].sensors.gyroscope.bias), 1e-3)
 
 
+@pytest.mark.slow
 def test_the_y_axis_of_the_papers_legs_shows_98_percent_of_a_turn() -> None:
     """As in pockets of OxIOD, 97 to 98 %; the rest is the Turn Insufficient Effect."""
     shares = []

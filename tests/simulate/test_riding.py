@@ -80,7 +80,9 @@ def test_the_spectrum_is_that_of_two_masses_on_springs() -> None:
     np.testing.assert_allclose(road_vibration_density(p, 64e-6, 14.0, at_hz), expected, rtol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["bus", "car", "train"])
+@pytest.mark.parametrize(
+    "name", ["bus", pytest.param("car", marks=pytest.mark.slow), pytest.param("train", marks=pytest.mark.slow)]
+)
 def test_passengers_are_shaken_as_iso_2631_says(name: str) -> None:
     """Between "a little" and "fairly" uncomfortable, most of it where people walk, and not at stops."""
     walk = simulate_walk(riding_walk(VEHICLES[name](), ride_s=200.0, seed=2))
@@ -175,6 +177,7 @@ def test_a_phone_on_a_seat_is_shaken_without_a_body() -> None:
     assert np.median(tilt_rad) < 0.03
 
 
+@pytest.mark.slow
 def test_the_way_to_work_has_four_rides() -> None:
     walk = simulate_walk(preset("commute"))
     assert isinstance(walk.body, RidingBody)

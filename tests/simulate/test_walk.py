@@ -23,13 +23,17 @@ from pdr_est.simulate import (
     simulate_walk,
 )
 
+FEW_PRESETS = ("office_loop", "l_shape", "mmpdr_indoor_multi", "park_348", "uptime_stairs", "ride_lift", "floors")
+
 
 def with_sensors(scenario: Scenario, **changes: object) -> Scenario:
     sensors = replace(SensorParams(), **changes)  # type: ignore[arg-type]
     return replace(scenario, devices=(DeviceParams(sensors=sensors),))
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name in FEW_PRESETS else [pytest.mark.slow]) for name in PRESETS]
+)
 def test_a_preset_gives_a_recording_with_consistent_truth(name: str) -> None:
     walk = simulate_walk(preset(name))
     recording, truth = walk.recording, walk.recording.truth

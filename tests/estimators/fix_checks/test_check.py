@@ -161,6 +161,7 @@ def test_repeated_fixes_count_once_and_are_told_unless_the_walker_stands() -> No
     assert found.findings[0].message == "3 of 8 position fixes repeat the one before: each counts once"
 
 
+@pytest.mark.slow
 def test_long_walks_are_compared_section_by_section() -> None:
     rng = np.random.default_rng(2)
     walk = simulate(rng, np.concatenate([corridor_turns(rng) for _ in range(12)]))

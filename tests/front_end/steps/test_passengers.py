@@ -56,13 +56,13 @@ def ridden(vehicle: VehicleParams, posture: Posture, place: Place, seed: int) ->
     ("name", "posture", "place"),
     [
         ("bus", "standing", "hand"),
-        ("bus", "sitting", "pocket"),
-        ("car", "sitting", "hand"),
+        pytest.param("bus", "sitting", "pocket", marks=pytest.mark.slow),
+        pytest.param("car", "sitting", "hand", marks=pytest.mark.slow),
         ("car", "sitting", "seat"),
         ("train", "standing", "pocket"),
-        ("train", "sitting", "hand"),
+        pytest.param("train", "sitting", "hand", marks=pytest.mark.slow),
         ("lift", "standing", "hand"),
-        ("lift", "standing", "pocket"),
+        pytest.param("lift", "standing", "pocket", marks=pytest.mark.slow),
         ("escalator", "standing", "hand"),
     ],
 )
@@ -73,14 +73,16 @@ def test_passengers_take_at_most_a_step_a_minute(name: str, posture: Posture, pl
     assert true - 2 <= walked <= true + 6  # sitting down, and putting the phone away
 
 
-@pytest.mark.parametrize("vehicle", [bus(256e-6), car(128e-6)], ids=lambda vehicle: vehicle.name)
+@pytest.mark.parametrize(
+    "vehicle", [bus(256e-6), pytest.param(car(128e-6), marks=pytest.mark.slow)], ids=lambda vehicle: vehicle.name
+)
 def test_rough_roads_make_few_steps(vehicle: VehicleParams) -> None:
     """Twice as rough as usual: 33 and 55 steps a minute without the likeness of strides."""
     false, _, _ = ridden(vehicle, "standing", "hand", seed=901)
     assert false <= 5.0 * RIDE_S / 60.0
 
 
-@pytest.mark.parametrize("bus_first", [True, False])
+@pytest.mark.parametrize("bus_first", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_who_rides_and_walks_by_turns_takes_every_step(bus_first: bool) -> None:
     """Steps of the three walks, before, between and after two rides."""
     rides = (bus(), train()) if bus_first else (train(), bus())

@@ -299,6 +299,7 @@ def test_the_documented_titles_are_distinct() -> None:
     assert len(titles) == len(set(titles))
 
 
+@pytest.mark.slow
 def test_real_tables_are_physically_right(shared_data: Path) -> None:
     paths = sorted((shared_data / "known-distance").glob("*.csv.gz")) + sorted(
         (shared_data / "phone-gps").glob("*.csv.gz")

@@ -100,6 +100,7 @@ def test_bad_input_is_one_line_with_place_and_remedy(tmp_path: Path, write: obje
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_every_real_recording_is_recognised(shared_data: Path) -> None:
     expected = {
         "ilc20/*/*/5*.txt*": "ILC20",
