@@ -8,7 +8,7 @@ from pdr_est.evaluate.held_out_fixes import LEAST_POINTS, WAYPOINT_SIGMA_M, fixe
 from pdr_est.evaluate.position_errors import point_errors
 from pdr_est.evaluate.time_association import associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
-from pdr_est.experiment.scoring.track_scores import MetricPart
+from pdr_est.experiment.scoring.track_scores import MetricPart, missing_without_north
 from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.ground_truth import TruePositions
 
@@ -36,8 +36,8 @@ def plan_part(walk: AnalysedWalk, name: str, truth: TruePositions) -> MetricPart
         return MetricPart(missing=dict.fromkeys(PLAN_METRICS, walk.without_plan))
     if not (spec.uses_plan or spec.smooths):
         return MetricPart(missing=dict.fromkeys(PLAN_METRICS, f"{spec.name} makes no use of a floor plan"))
-    if not any(device.knows_north() for device in walk.devices):
-        return MetricPart(missing=dict.fromkeys(PLAN_METRICS, "no device of the walk knows north"))
+    if (missing := missing_without_north(walk, PLAN_METRICS)) is not None:
+        return missing
     try:
         known, held = _with_start(walk, walk.plan, name, truth), _with_every_third(walk, name, truth)
     except EstimationError as error:  # which must not cost the metrics without plan

@@ -8,7 +8,7 @@ from pdr_est.evaluate.position_errors import point_errors
 from pdr_est.evaluate.rigid_alignment import best_alignment
 from pdr_est.evaluate.time_association import associate
 from pdr_est.experiment.analysed_walk import AnalysedWalk
-from pdr_est.experiment.scoring.track_scores import MetricPart
+from pdr_est.experiment.scoring.track_scores import MetricPart, missing_without_north
 from pdr_est.frames import wrap_angle
 from pdr_est.types.ground_truth import TruePositions
 
@@ -30,8 +30,8 @@ def start_part(walk: AnalysedWalk, name: str, truth: TruePositions) -> MetricPar
     truth : TruePositions
         True positions in the map frame, at least two of them within the recording.
     """
-    if not any(device.knows_north() for device in walk.devices):
-        return MetricPart(missing=dict.fromkeys(START_METRICS, "no device of the walk knows north"))
+    if (missing := missing_without_north(walk, START_METRICS)) is not None:
+        return missing
     span_s = walk.span_of(name)
     first = np.argsort(truth.time_s, kind="stable")[:1]
     track = walk.track(fixes_at(truth.time_s[first], truth.position_m[first])).of_device(name)

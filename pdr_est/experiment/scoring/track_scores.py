@@ -36,6 +36,13 @@ class MetricPart:
     calibration: CalibrationCase | None = None
 
 
+def missing_without_north(walk: AnalysedWalk, metrics: Sequence[str]) -> MetricPart | None:
+    """Return metrics as missing, with the reason, if no device of a walk knows north; None if one does."""
+    if any(device.knows_north() for device in walk.devices):
+        return None
+    return MetricPart(missing=dict.fromkeys(metrics, "no device of the walk knows north"))
+
+
 def device_scores(walk: AnalysedWalk, device: DeviceWalk, *parts: MetricPart) -> TrackScores:
     """Assemble the scores of a device."""
     name = device.device if len(walk.devices) > 1 else "device"
