@@ -54,7 +54,7 @@ class PushedMessages:
         phone = self._phones[message.device]
         phone.heard |= {sensor for sensor, rows in message.rows.items() if rows}
         self._session.keep_message(text)
-        news = self._reader.push(text)
+        news = self._reader.push_message(message)
         self._hand_on(news)
         for fix in news.fixes if self._with_fixes else ():
             shift_s = (self._reader.epoch_s or 0.0) - self._session.epoch_s

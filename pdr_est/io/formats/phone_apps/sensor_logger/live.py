@@ -78,7 +78,16 @@ class LiveReader:
         RecordingError
             When the line is not a message of Sensor Logger, or of one phone too many; nothing of it is taken then.
         """
-        message = parse_live_message(line)
+        return self.push_message(parse_live_message(line))
+
+    def push_message(self, message: LiveMessage) -> LiveUpdate:
+        """Take one message that is parsed already.
+
+        Raises
+        ------
+        RecordingError
+            When it is of one phone too many; nothing of it is taken then.
+        """
         name = message.device
         if name not in self._phones:
             if len(self._phones) >= _MOST_PHONES:
