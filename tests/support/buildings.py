@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pdr_est.frames import Array
+from pdr_est.front_end.height import HeightParams
 from pdr_est.simulate.sensors.sensor_errors import air_pressure_pa
 from pdr_est.types.recording import Signal
 
@@ -87,3 +88,16 @@ def pressure_of(walk: Visit, seed: int, pressed: bool = False) -> Signal:
         end = begin_s + rng.uniform(0.5, 4.0)
         value[(walk.time_s > begin_s) & (walk.time_s < end)] += rng.normal(0.0, 8.0)
     return Signal(walk.time_s, value[:, None])
+
+
+def pressure_as_claimed(walk: Visit, seed: int, parameters: HeightParams | None = None) -> Signal:
+    """The pressure with the noise, random walk and jumps that the parameters claim, drawn at random."""
+    claimed, rng = parameters or HeightParams(), np.random.default_rng([seed, 2])
+    count = len(walk.time_s)
+    height_m = walk.height_m + rng.normal(0.0, claimed.sigma_height_m / np.sqrt(_SAMPLE_S), count)
+    height_m = height_m + np.cumsum(rng.normal(0.0, claimed.drift_m_per_sqrt_s * np.sqrt(_SAMPLE_S), count))
+    jumps = ((claimed.jumps, claimed.sigma_jump_m), (claimed.great_jumps, claimed.sigma_great_jump_m))
+    for share, sigma_m in jumps:
+        jumping = rng.random(count) < share * _SAMPLE_S
+        height_m = height_m + np.cumsum(np.where(jumping, rng.normal(0.0, sigma_m, count), 0.0))
+    return Signal(walk.time_s, air_pressure_pa(height_m))
