@@ -83,6 +83,7 @@ def test_json_document(data: Path, tmp_path: Path) -> None:
     assert "skipped site1/F1/d: " in text
 
 
+@pytest.mark.slow
 def test_turned_devices_score_as_those_that_are_not(data: Path, tmp_path: Path) -> None:
     plain, _ = scored(tmp_path, "ilc20", "--data", data)
     for turn in ("x90", "random:3"):

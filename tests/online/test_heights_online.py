@@ -86,7 +86,7 @@ def test_updates_tell_the_new_floor_while_the_walker_is_on_the_way() -> None:
     assert up.begin_s < first_s < up.end_s + 1.0
 
 
-@pytest.mark.parametrize("seconds", [0.1, 7.0])
+@pytest.mark.parametrize("seconds", [pytest.param(0.1, marks=pytest.mark.slow), 0.3, 7.0])
 def test_the_cut_of_the_samples_does_not_change_the_last_update_of_a_pose(seconds: float) -> None:
     assert last_of_each(followed(seconds)) == last_of_each(followed())
 

@@ -76,9 +76,7 @@ def test_it_is_the_covariance_intersection_of_the_devices_tracks() -> None:
 @pytest.mark.parametrize(
     ("config", "fixes", "gap"),
     [
-        pytest.param(
-            config, fixes, gap, marks=[] if gap and bool(fixes) == (config is ONE_CLOCK) else pytest.mark.slow
-        )
+        pytest.param(config, fixes, gap, marks=[] if gap and fixes and config is ONE_CLOCK else pytest.mark.slow)
         for config in (ONE_CLOCK, KNOWN_START)
         for fixes in ((), tuple(FIXES))
         for gap in (False, True)

@@ -25,21 +25,25 @@ def expected(open_start: bool) -> Track:
     return offline(recorded(2, gap=True, short=True), ONE_CLOCK if open_start else KNOWN_START, FIXES)
 
 
-@settings(max_examples=12, deadline=None)
-@given(st.data(), st.booleans())
-def test_restored_at_any_point_of_any_cut(data: st.DataObject, open_start: bool) -> None:
-    recording = recorded(2, gap=True, short=True)
-    cuts = [np.sort(data.draw(st.lists(st.floats(0.0, 13.0), min_size=1, max_size=12))) for _ in range(2)]
-    blocks = slices(recording, cuts)
-    saved_at = data.draw(st.sets(st.integers(0, len(blocks) - 1), min_size=1, max_size=3))
-    tracker, updates = tracker_of(recording, ONE_CLOCK if open_start else KNOWN_START), []
-    for fix in FIXES:
-        tracker.push_fix(fix)
-    for number, (name, block) in enumerate(blocks):
-        if number in saved_at:
-            tracker = Tracker.restore(tracker.state())
-        updates += tracker.push(name, block)
-    same_poses([*updates, *tracker.flush()], expected(open_start))
+@pytest.mark.parametrize("examples", [4, pytest.param(12, marks=pytest.mark.slow)])
+def test_restored_at_any_point_of_any_cut(examples: int) -> None:
+    @settings(max_examples=examples, deadline=None)
+    @given(st.data(), st.booleans())
+    def goes_on(data: st.DataObject, open_start: bool) -> None:
+        recording = recorded(2, gap=True, short=True)
+        cuts = [np.sort(data.draw(st.lists(st.floats(0.0, 13.0), min_size=1, max_size=12))) for _ in range(2)]
+        blocks = slices(recording, cuts)
+        saved_at = data.draw(st.sets(st.integers(0, len(blocks) - 1), min_size=1, max_size=3))
+        tracker, updates = tracker_of(recording, ONE_CLOCK if open_start else KNOWN_START), []
+        for fix in FIXES:
+            tracker.push_fix(fix)
+        for number, (name, block) in enumerate(blocks):
+            if number in saved_at:
+                tracker = Tracker.restore(tracker.state())
+            updates += tracker.push(name, block)
+        same_poses([*updates, *tracker.flush()], expected(open_start))
+
+    goes_on()
 
 
 def test_saving_changes_nothing_and_two_restored_trackers_are_alike() -> None:

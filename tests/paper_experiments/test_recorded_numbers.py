@@ -29,6 +29,7 @@ def test_psp_table_1_of_the_first_test() -> None:
                 assert errors_m[0] == pytest.approx(block["methods"][method]["error_m"][0], abs=2e-3), REMEDY
 
 
+@pytest.mark.slow
 def test_psp_figure_3_of_one_walk() -> None:
     figure, document = experiment("psp_figure3"), recorded("psp_figure3")
     row = document["return_error_percent"][0]

@@ -29,7 +29,10 @@ def estimated_scales(name: EstimatorName, true_scale: float, start: StartPose) -
 
 
 @with_fixes
-@pytest.mark.parametrize("start", [ORIGIN, StartPose()], ids=["known start", "unknown start"])
+@pytest.mark.parametrize(
+    "start",
+    [pytest.param(ORIGIN, id="known start"), pytest.param(StartPose(), id="unknown start", marks=pytest.mark.slow)],
+)
 def test_fixes_tell_the_scale_within_its_sigma(name: EstimatorName, start: StartPose) -> None:
     scale, sigma = estimated_scales(name, 1.1, start)
     deviations = (scale - 1.1) / sigma
