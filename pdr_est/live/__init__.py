@@ -14,6 +14,7 @@ final_report     the smoothed walk and its report at the end
 server           the web application
 visitor          one page that is open somewhere
 serving          ports and their servers
+strangers        connections without a token: few, and none for long
 addresses        secret parts of addresses, QR code, certificate
 limits           how much a client may send
 ===============  =========================================================================================

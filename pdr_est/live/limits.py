@@ -23,6 +23,12 @@ class LiveLimits:
     connections: Count = 48
     """Number of all connections at the same time; a request beyond is refused."""
 
+    strangers: Count = 16
+    """Number of connections of a port at the same time that have named no token; the oldest makes place for one."""
+
+    stranger_s: Positive = 10.0
+    """Time after which such a connection is closed, s."""
+
     message_bytes: Count = 256 * 1024
     """Size of a message from a page, bytes: a minute of motion sensors that a page kept while it was offline."""
 

@@ -79,6 +79,12 @@ class LiveApp:
         """Return the application for the port without encryption, which only takes what apps push."""
         return self._application(Route("/{token}/push", self._push, methods=["POST"]))
 
+    def knows(self, path: str) -> bool:
+        """Tell whether a path begins with the secret part of one of the addresses."""
+        named = path.removeprefix("/").partition("/")[0].encode()
+        of_page = secrets.compare_digest(named, self._page_token.encode())
+        return secrets.compare_digest(named, self._push_token.encode()) or of_page
+
     def publish_report(self, folder: Path, names: Collection[str]) -> None:
         """Serve these files of a folder from now on."""
         self.report_folder, self.report_files = folder, frozenset(names)

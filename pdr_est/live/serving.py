@@ -13,6 +13,7 @@ import uvicorn
 
 from pdr_est.errors import OutputError
 from pdr_est.live.limits import LiveLimits
+from pdr_est.live.strangers import guarded_protocol
 
 
 @dataclass(frozen=True)
@@ -25,12 +26,15 @@ class Port:
         The ASGI application.
     listening
         Socket that listens already.
+    knows
+        Tells whether a path begins with the secret part of an address of the application.
     certificate, key
         Files for encryption; None without it.
     """
 
     application: Any
     listening: socket.socket
+    knows: Callable[[str], bool]
     certificate: Path | None = None
     key: Path | None = None
 
@@ -114,7 +118,7 @@ def _settings(port: Port, limits: LiveLimits) -> uvicorn.Config:
         log_level="critical",
         access_log=False,
         lifespan="off",
-        http="h11",
+        http=guarded_protocol(limits, port.knows),
         ws="websockets-sansio",
         ws_max_size=limits.message_bytes,
         ws_per_message_deflate=False,  # small messages: compressing them only costs time

@@ -4,7 +4,7 @@ import json
 import socket
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
@@ -200,6 +200,34 @@ def test_the_number_of_pages_is_bounded(new_walk: NewWalk) -> None:
                 assert end_of(third) == "too many pages are open"
         with link(server) as fourth:
             heard(fourth, "status")
+
+
+def idle(server: Served, begin: bytes = b"") -> socket.socket:
+    """A connection that sends next to nothing."""
+    connection = socket.create_connection(("127.0.0.1", server.port), timeout=20.0)
+    connection.sendall(begin)
+    return connection
+
+
+@pytest.mark.parametrize("begin", [b"", b"GET /wrong/ HTTP/1.1\r\nHost: a\r\n\r\n", b"POST /wrong/pu"])
+def test_who_holds_connections_without_a_token_keeps_nobody_out(new_walk: NewWalk, begin: bytes) -> None:
+    limits = {"connections": 6, "strangers": 3}
+    with served(new_walk(None, **limits)) as server, ExitStack() as waiting, link(server) as page:
+        heard(page, "status")
+        for _ in range(20):
+            waiting.enter_context(idle(server, begin))
+        assert server.ask(f"{PAGE}/")[0] == 200
+        assert server.ask(f"{PUSH}/push", pushed_text(ALL).encode())[0] == 200
+        heard(page, "status")  # the page that was open stays so
+
+
+def test_a_connection_that_never_names_the_token_is_closed(new_walk: NewWalk) -> None:
+    begun = b"GET /wrong/ HTTP/1.1\r\n"
+    with served(new_walk(None, stranger_s=0.2)) as server, idle(server, begun) as stranger, link(server) as page:
+        with suppress(ConnectionResetError):
+            assert stranger.recv(10) == b""
+        time.sleep(0.3)
+        heard(page, "status")
 
 
 def test_the_number_of_connections_is_bounded(new_walk: NewWalk) -> None:

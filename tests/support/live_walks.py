@@ -105,7 +105,8 @@ def served(session: LiveSession) -> Iterator[Served]:
     async def until() -> None:
         await asyncio.to_thread(over.wait)
 
-    serving = serve_ports([Port(application.pages(), listening)], session.limits, session.stop, until())
+    ports = [Port(application.pages(), listening, application.knows)]
+    serving = serve_ports(ports, session.limits, session.stop, until())
     thread = threading.Thread(target=asyncio.run, args=(serving,))
     thread.start()
     try:

@@ -176,15 +176,15 @@ def _open_ports(
         click.echo(f"page: http://{shown}:{number}/{page_token}/")
         if application.may_push:
             click.echo(f"push: http://{shown}:{number}/{push_token}/push")
-        return [Port(application.pages(), listening)]
+        return [Port(application.pages(), listening, application.knows)]
     certificate, key = make_certificate(private, [host_for_others(host), "localhost", "127.0.0.1"])
     address = f"https://{shown}:{number}/{page_token}/"
     click.echo(f"page: {address}")
     click.echo("note: the certificate was made just now and nobody has signed it: the browser asks once to trust it")
-    ports = [Port(application.pages(), listening, certificate, key)]
+    ports = [Port(application.pages(), listening, application.knows, certificate, key)]
     for pushing in sockets[1:]:
         click.echo(f"push: http://{shown}:{pushing.getsockname()[1]}/{push_token}/push")
-        ports.append(Port(application.push_only(), pushing))
+        ports.append(Port(application.push_only(), pushing, application.knows))
     click.echo(qr_code_text(address))
     return ports
 
