@@ -21,6 +21,7 @@ from pdr_est.cli.process import (
 )
 from pdr_est.errors import PdrError
 from pdr_est.output.call_inputs import inputs_remembered
+from pdr_est.output.visible_text import visible_text
 
 COMMANDS = MappingProxyType(
     {
@@ -54,7 +55,7 @@ class BadInputError(click.ClickException):
 
     def format_message(self) -> str:
         """Return the message in one line, without the middle of one that quotes very much."""
-        line = re.sub(r"\s*\n\s*", " ", self.message)
+        line = visible_text(re.sub(r"\s*\n\s*", " ", self.message))
         left_out = len(line) - _LONGEST_MESSAGE
         if left_out <= 0:
             return line

@@ -12,6 +12,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from pdr_est.output.visible_text import visible_json
+
 _LIBRARIES: Mapping[str, tuple[str, str]] = {
     "leaflet": ("leaflet.js", "leaflet.css"),
     "uplot": ("uPlot.iife.min.js", "uPlot.min.css"),
@@ -81,7 +83,7 @@ def inline_assets(libraries: Sequence[str], scripts: Sequence[str]) -> InlineAss
 def inline_json(value: Any) -> Markup:
     """Write a value as JSON that stands inside a <script type="application/json"> element."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    return Markup(text.replace("<", "\\u003c"))  # so that no text in it can end the element
+    return Markup(visible_json(text).replace("<", "\\u003c"))  # so that no text in it can end the element
 
 
 @cache

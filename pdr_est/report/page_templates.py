@@ -4,6 +4,8 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from pdr_est.output.visible_text import visible_text
+
 NO_VALUE = "–"
 """Text in place of a number that is not there."""
 
@@ -16,6 +18,7 @@ def template_environment() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=lambda value: visible_text(value) if type(value) is str else value,
     )
     made.filters.update(
         number=format_number,

@@ -204,6 +204,16 @@ def test_names_in_other_scripts_are_kept(make_walk) -> None:
         assert name in page.text
 
 
+def test_characters_that_turn_a_text_round_are_shown(make_walk) -> None:
+    walk, recording = make_walk(steps=30, devices=("phone\u202eenohp",))
+    text = render(replace(walk, warnings=("a\u2067b",)), replace(recording, name="walk\u202eklaw"))
+    page = Page(text)
+    assert not set(text) & {"\u202e", "\u2067"}
+    for shown in (r"walk\u202eklaw", r"phone\u202eenohp", r"a\u2067b"):
+        assert shown in page.text
+    assert json.loads(page.data[0])["devices"][0]["name"] == r"phone\u202eenohp"
+
+
 def test_walk_without_a_step_has_a_page(make_walk) -> None:
     walk, recording = make_walk(steps=0, with_truth=False)
     page = Page(render(replace(walk, warnings=("phone: no step found",)), recording))

@@ -5,13 +5,14 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from pdr_est.output.atomic_output import write_text
+from pdr_est.output.visible_text import visible_text
 
-_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # such as control characters
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def add_element(parent: Element, tag: str, text: str) -> None:
-    """Add an element that holds nothing but text, characters that XML forbids replaced."""
-    SubElement(parent, tag).text = _NO_XML.sub("\N{REPLACEMENT CHARACTER}", text)
+    """Add an element that holds nothing but text, hidden characters escaped and those that XML forbids replaced."""
+    SubElement(parent, tag).text = _NO_XML.sub("\N{REPLACEMENT CHARACTER}", visible_text(text))
 
 
 def write_document(path: str | Path, root: Element) -> None:

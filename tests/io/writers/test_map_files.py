@@ -29,7 +29,7 @@ EPOCH_S = 1_718_028_185.25
 MUNICH = GeoOrigin(48.137, 11.575)
 FIX = PositionFix(12.0, np.array([-30.0, 100.0]), np.diag([4.0, 9.0]), source="gps <&> \x07")
 ODD = 'a <b> & "c" \x00\x1b\ufffe \N{SNOWMAN}'
-CLEAN = 'a <b> & "c" \ufffd\ufffd\ufffd \N{SNOWMAN}'
+CLEAN = 'a <b> & "c" \\u0000\\u001b\N{REPLACEMENT CHARACTER} ☃'
 
 
 def in_space(longitude_deg: float, latitude_deg: float) -> np.ndarray:
@@ -86,7 +86,7 @@ def test_kml_has_a_timed_track_a_device_and_the_fixes(tmp_path: Path) -> None:
     assert arrays == {"radius95_m": ["0.49"] * 4, "mode": ["HOLDING"] * 4}
     folder = document.find(f"{KML}Folder")
     fix = folder.find(f"{KML}Placemark")
-    assert fix.findtext(f"{KML}name") == "gps <&> \ufffd"
+    assert fix.findtext(f"{KML}name") == r"gps <&> \u0007"
     assert seconds(fix.findtext(f"{KML}TimeStamp/{KML}when"), EPOCH_S) == 12.0
     x, y, _ = map(float, fix.findtext(f"{KML}Point/{KML}coordinates").split(","))
     np.testing.assert_allclose(metres(x, y, MUNICH), FIX.position_m, atol=0.01)
