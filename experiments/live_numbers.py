@@ -13,6 +13,7 @@ kills   the server is killed (SIGKILL) at random moments: seconds from the last 
 
 import argparse
 import json
+import os
 import random
 import signal
 import subprocess
@@ -198,7 +199,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         "memory": lambda: memory(walk_in_rounds(ROUNDS_FOR * options.minutes)),
         "kills": lambda: kills(options.kills, walk_in_rounds(1.0)),
     }
-    lines = []
+    settings = f"--seconds {options.seconds:g} --minutes {options.minutes:g} --kills {options.kills}"
+    lines = [f"python experiments/live_numbers.py {' '.join(options.parts)} {settings}; {os.cpu_count()} cores"]
     for part in options.parts:
         for line in parts[part]():
             print(line, flush=True)
