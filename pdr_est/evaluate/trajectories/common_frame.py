@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pdr_est.errors import RecordingError
-from pdr_est.frames import Array
+from pdr_est.io.conversion.gnss import east_north
 from pdr_est.io.trajectories import Trajectory
 from pdr_est.types.recording import GeoOrigin
 
@@ -78,12 +78,9 @@ def in_metres(trajectory: Trajectory, origin: GeoOrigin | None, owner: str = "")
             f"{trajectory.place}: positions are latitude and longitude, but the origin of {owner} on the Earth is "
             "unknown: give x_m and y_m instead"
         )
-    from pymap3d import geodetic2enu
-
     latitude, longitude = trajectory.position.T
-    east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
-    position: Array = np.column_stack([east, north])
-    far = np.flatnonzero(np.hypot(east, north) > _FARTHEST_FROM_ORIGIN_M)
+    position = east_north(latitude, longitude, origin)
+    far = np.flatnonzero(np.linalg.norm(position, axis=1) > _FARTHEST_FROM_ORIGIN_M)
     if len(far):
         raise RecordingError(
             f"{trajectory.place}, position {far[0] + 1}: latitude {latitude[far[0]]:g}, longitude "

@@ -71,17 +71,13 @@ def gnss_fixes(
     if not kept.any():
         return GnssFixes((), None, warnings)
     latitude, longitude = latitude_deg[kept], longitude_deg[kept]
-    from pymap3d import geodetic2enu  # used by few recordings
-
     origin = GeoOrigin(float(latitude[0]), float(longitude[0]))
-    east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
+    position_m = east_north(latitude, longitude, origin)
     variance = np.square(np.maximum(sigma_m[kept], _SMALLEST_SIGMA_M))
-    elsewhere = np.zeros(len(east), dtype=np.bool_) if network is None else network[kept]
+    elsewhere = np.zeros(len(position_m), dtype=np.bool_) if network is None else network[kept]
     fixes = tuple(
         PositionFix(float(t), position, np.eye(2) * v, source="network" if other else "gps", robust=True)
-        for t, position, v, other in zip(
-            time_s[kept], np.column_stack([east, north]), variance, elsewhere, strict=True
-        )
+        for t, position, v, other in zip(time_s[kept], position_m, variance, elsewhere, strict=True)
     )
     return GnssFixes(fixes, origin, warnings)
 
@@ -125,3 +121,11 @@ def _count_warnings(groups: tuple[tuple[NDArray[np.bool_], str], ...]) -> tuple[
         for mask, fault in groups
         if mask.any()
     )
+
+
+def east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) -> Array:
+    """Convert WGS 84 latitudes and longitudes (n,), degrees, to positions (n, 2) east and north of an origin, m."""
+    from pymap3d import geodetic2enu  # used by few recordings
+
+    east, north, _ = geodetic2enu(latitude_deg, longitude_deg, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
+    return np.column_stack([east, north])

@@ -7,6 +7,7 @@ import numpy as np
 
 from pdr_est.errors import FloorPlanError
 from pdr_est.frames import Array, GeoOrigin
+from pdr_est.io.conversion.gnss import east_north
 from pdr_est.io.floor_plans.shapes import DrawnFloor, DrawnPolygon
 
 _DEGREES_OF_A_SITE = 0.1  # 11 km along a meridian: no building is longer, and none is only 0.1 m long
@@ -27,7 +28,7 @@ def south_west(coordinates_deg: Array) -> GeoOrigin:
 
 def metres_from_degrees(drawn: DrawnFloor, origin: GeoOrigin) -> DrawnFloor:
     """Convert a drawing in degrees to metres east and north of an origin."""
-    return _mapped(drawn, lambda degrees: _east_north(degrees, origin))
+    return _mapped(drawn, lambda degrees: east_north(degrees[:, 1], degrees[:, 0], origin))
 
 
 def require_degrees(coordinates: Array, place: str) -> None:
@@ -73,11 +74,3 @@ def _mapped(drawn: DrawnFloor, convert: Callable[[Array], Array]) -> DrawnFloor:
     return DrawnFloor(
         polygons(drawn.floor), polygons(drawn.closed), polygons(drawn.undecided), [convert(w) for w in drawn.walls]
     )
-
-
-def _east_north(degrees: Array, origin: GeoOrigin) -> Array:
-    from pymap3d import geodetic2enu
-
-    longitude, latitude = degrees.T
-    east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
-    return np.column_stack([east, north])

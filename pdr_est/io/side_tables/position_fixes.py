@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.conversion.gnss import east_north
 from pdr_est.io.side_tables.fix_table import FIRST_LINE, GEODETIC_COLUMNS, MAP_COLUMNS, read_fix_table
 from pdr_est.io.side_tables.table_times import LOCAL_TIME
 from pdr_est.io.text.number_table import NumberTable
@@ -217,18 +218,16 @@ def _positions(table: NumberTable, recording: Recording) -> Array:
 def _to_map(degrees: Array, origin: GeoOrigin, place: str) -> Array:
     """Convert latitudes and longitudes (n, 2) to map positions (n, 2); refuse one far away."""
     usable = np.where(np.isfinite(degrees), degrees, np.nan)  # rows that are not finite are refused later
-    from pymap3d import geodetic2enu
-
     latitude, longitude = usable.T
-    east, north, _ = geodetic2enu(latitude, longitude, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
-    far = np.flatnonzero((np.hypot(east, north) > _FARTHEST_FROM_ORIGIN_M) | (np.abs(latitude) > 90.0))
+    position_m = east_north(latitude, longitude, origin)
+    far = np.flatnonzero((np.linalg.norm(position_m, axis=1) > _FARTHEST_FROM_ORIGIN_M) | (np.abs(latitude) > 90.0))
     if len(far):
         raise RecordingError(
             f"{place}, line {far[0] + FIRST_LINE}: latitude {latitude[far[0]]:g}, longitude {longitude[far[0]]:g} "
             f"lies far from the recording at {origin.latitude_deg:.4f}, {origin.longitude_deg:.4f}: "
             "check whether they are swapped"
         )
-    return np.column_stack([east, north])
+    return position_m
 
 
 def _check_rows(rows: _Rows, place: str, recording: Recording) -> None:

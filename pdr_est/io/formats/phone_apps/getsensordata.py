@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pdr_est.errors import RecordingError
 from pdr_est.frames import Array
 from pdr_est.io.conversion.axes import quaternion_from_rotation_vector
-from pdr_est.io.conversion.gnss import GnssFixes, gnss_fixes
+from pdr_est.io.conversion.gnss import GnssFixes, east_north, gnss_fixes
 from pdr_est.io.conversion.raw_device import RawDevice, RawSensor, RawSignal
 from pdr_est.io.conversion.units import detect_acceleration_unit
 from pdr_est.io.text.container import Source
@@ -178,7 +178,7 @@ def _surveyed_points(log: TaggedLog) -> tuple[Array, tuple[str, ...]]:
 def _truth(points: Array, origin: GeoOrigin | None) -> TruePositions | None:
     if origin is None or not len(points):
         return None
-    position_m = _east_north(points[:, 1], points[:, 2], origin)
+    position_m = east_north(points[:, 1], points[:, 2], origin)
     return TruePositions(points[:, 0], position_m, _POSI_SIGMA_M, "surveyed points")
 
 
@@ -187,15 +187,8 @@ def _relative_to_origin(gnss: GnssFixes, origin: GeoOrigin | None) -> tuple[Posi
     if origin is None or gnss.origin is None:
         return gnss.fixes
     own = gnss.origin
-    shift_m = _east_north(np.array([own.latitude_deg]), np.array([own.longitude_deg]), origin)[0]
+    shift_m = east_north(np.array([own.latitude_deg]), np.array([own.longitude_deg]), origin)[0]
     return tuple(replace(fix, position_m=fix.position_m + shift_m) for fix in gnss.fixes)
-
-
-def _east_north(latitude_deg: Array, longitude_deg: Array, origin: GeoOrigin) -> Array:
-    from pymap3d import geodetic2enu
-
-    east, north, _ = geodetic2enu(latitude_deg, longitude_deg, 0.0, origin.latitude_deg, origin.longitude_deg, 0.0)
-    return np.column_stack([east, north])
 
 
 def _from_network(gnss: Array) -> NDArray[np.bool_]:
