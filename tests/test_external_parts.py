@@ -388,6 +388,7 @@ def in_pieces(blocks: list[SensorBlock], rng: np.random.Generator) -> list[Any]:
     return [*filled[:100], *(piece for piece in pieces if not len(piece.time_s)), *filled[100:]]
 
 
+@pytest.mark.slow
 def test_measurements_come_in_order_of_time(user: ModuleType, recording: Recording) -> None:
     begun: list[Any] = []
 

@@ -385,7 +385,7 @@ def test_cuts_of_the_chain_with_a_magnetometer() -> None:
     check_cuts(chain, items, cuttings)
 
 
-@pytest.mark.parametrize("source", ["device", "magnetometer"])
+@pytest.mark.parametrize("source", ["device", pytest.param("magnetometer", marks=pytest.mark.slow)])
 def test_cuts_of_the_chain_with_north(source: Literal["device", "magnetometer"]) -> None:
     """The channel that tells north may come a little later than the others, too."""
     config, north = Config(), NorthReference(source)

@@ -19,6 +19,8 @@ VARIANTS = ("near", "far", "<img src=x onerror=document.title='x'>")
 METRICS = ("error_heldout_m", "length_ratio")
 OPEN = Callable[..., Page]
 
+pytestmark = pytest.mark.slow
+
 
 def outcome(number: int, variant: str, rng: np.random.Generator, points: int = 60) -> TrackOutcome:
     turn = np.cumsum(np.where(rng.random(points) < 0.05, 1.57, 0.0))

@@ -121,6 +121,7 @@ def test_one_detector(data: Path, tmp_path: Path) -> None:
     assert "zero-crossing" in text
 
 
+@pytest.mark.slow
 def test_every_length_model_in_one_document(data: Path, tmp_path: Path) -> None:
     options = ("--length-model", "all", "--estimator", "ekf", "--limit", 1)
     document, text = scored(tmp_path, "ilc20", "--data", data, *options)

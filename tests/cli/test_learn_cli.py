@@ -98,6 +98,7 @@ def test_the_front_end_runs_once_for_a_new_profile(good: Path, fixes: Path, tmp_
     learnt(good, tmp_path / "a", tmp_path / "me.yaml", "--fixes", fixes)
 
 
+@pytest.mark.slow
 def test_fixes_that_disagree_are_told_and_not_learnt(walk: Walk, good: Path, tmp_path: Path) -> None:
     at = np.linspace(0, len(walk.true_time_s) - 1, 6).astype(int)
     rows = [

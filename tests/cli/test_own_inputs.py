@@ -100,6 +100,7 @@ def test_a_table_that_lies_beside_the_recording_and_was_read_is_not_replaced(wal
     assert truth.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_folder_of_results_that_holds_the_recording_is_not_replaced(tmp_path: Path) -> None:
     """`demo` writes its recording into the folder of its results, and `convert` makes recordings that are folders."""
     demo, folder = tmp_path / "demo", tmp_path / "converted"

@@ -44,6 +44,7 @@ def test_own_recordings_give_a_model_with_its_card_the_same_every_time(data: Pat
     assert f"| own | 3 | 9 | {own.steps[0]} | {own.steps[1]} | {own.steps[2]} |" in card
 
 
+@pytest.mark.slow
 def test_earlier_results_are_kept_unless_told_otherwise(data: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert run("train-gait", "--data", data, "-o", out, "--features", "uptime").exit_code == 0

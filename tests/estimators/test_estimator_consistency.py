@@ -150,7 +150,9 @@ def outcomes_with_gap(name: EstimatorName, trials: int) -> list[tuple[Track, Arr
 
 
 @sizes
-@pytest.mark.parametrize("name", ["ekf", pytest.param("fixed-lag", marks=pytest.mark.slow), "factor-graph"])
+@pytest.mark.parametrize(
+    "name", ["ekf", *(pytest.param(name, marks=pytest.mark.slow) for name in ("fixed-lag", "factor-graph"))]
+)
 def test_a_gap_in_which_the_direction_was_lost_leaves_an_honest_track(name: EstimatorName, trials: int) -> None:
     results = outcomes_with_gap(name, trials)
     assert coverage(results, slice(31, None)) >= 0.9

@@ -173,7 +173,7 @@ def wandering_walk(
 
 
 @pytest.mark.parametrize(
-    ("walks", "steps"), [(4, 120), pytest.param(8, 300, marks=pytest.mark.slow)], ids=["sample", "all"]
+    ("walks", "steps"), [(2, 120), pytest.param(8, 300, marks=pytest.mark.slow)], ids=["sample", "all"]
 )
 def test_covariances_are_true_where_fixes_wander(walks: int, steps: int) -> None:
     """And far too small if the errors are taken for independent ones."""

@@ -65,7 +65,7 @@ def named(paths: list[Path], slow: tuple[str, ...]) -> pytest.MarkDecorator:
     )
 
 
-@named(SIMULATED, slow=("two-phones", "robust-dr", "scale", "uptime-trips", "mmpdr", "psp"))
+@named(SIMULATED, slow=("two-phones", "robust-dr", "scale", "uptime-trips", "mmpdr", "psp", "uptime"))
 def test_simulated(path: Path, tmp_path: Path) -> None:
     experiment = load_experiment(path, limit=1)
     shorter = replace(experiment, walks=tuple(shortened(walk) for walk in experiment.walks))

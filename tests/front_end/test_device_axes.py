@@ -34,7 +34,10 @@ def steps_of(walk: SmoothedWalk) -> Array:
     return np.array([(step.event.time_s, step.event.mode, step.length_m) for step in walk.devices[0].steps])
 
 
-@pytest.mark.parametrize("name", WALKS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] if name in ("held", "swung") else []) for name in WALKS],
+)
 def test_turned_axes_change_neither_steps_nor_track(name: str) -> None:
     recording = simulate_walk(WALKS[name]).recording
     plain = smoothed(recording)
@@ -58,7 +61,9 @@ def test_turned_axes_leave_north_where_it_was() -> None:
         assert [getattr(m, name) for m in after] == pytest.approx([getattr(m, name) for m in before], abs=1e-6)
 
 
-@pytest.mark.parametrize("estimator", ["dead-reckoning", "ekf", pytest.param("factor-graph", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "estimator", ["ekf", *(pytest.param(name, marks=pytest.mark.slow) for name in ("dead-reckoning", "factor-graph"))]
+)
 def test_a_start_heading_turns_the_track_and_changes_nothing_else(estimator: str) -> None:
     recording = simulate_walk(WALKS["put away and taken out"]).recording
     for heading_rad in (2.0, -3.0):

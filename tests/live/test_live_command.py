@@ -65,6 +65,7 @@ def test_a_killed_server_keeps_what_it_had_received(tmp_path: Path) -> None:
     assert len(device.specific_force) == count
 
 
+@pytest.mark.slow
 def test_an_interrupt_ends_the_walk_and_a_second_one_the_server(tmp_path: Path) -> None:
     with running("-o", str(tmp_path / "out")) as (process, address):
         with urlopen(address, timeout=20.0) as page:

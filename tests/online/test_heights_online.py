@@ -48,6 +48,7 @@ def told_floors(walk: Visit, seed: int, pressed: bool = False) -> tuple[np.ndarr
     return first + 1.0 + np.arange(len(floors)), np.array(floors)
 
 
+@pytest.mark.slow
 def test_changes_of_floor_are_told_within_five_seconds() -> None:
     late_s = []
     for seed in range(6):
@@ -91,6 +92,7 @@ def test_the_cut_of_the_samples_does_not_change_the_last_update_of_a_pose(second
     assert last_of_each(followed(seconds)) == last_of_each(followed())
 
 
+@pytest.mark.slow
 def test_updates_of_one_device_with_a_restart_between_are_the_same() -> None:
     recording = over_floors()
     tracker, updates = tracker_of(recording, KNOWN_START), []

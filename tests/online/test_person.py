@@ -165,6 +165,7 @@ def test_poses_that_nobody_asks_for_are_forgotten(devices: int) -> None:
         assert person.remembered <= 12 * devices
 
 
+@pytest.mark.slow
 def test_delayed_poses_are_joined_too() -> None:
     recording = recorded(2)
     config = replace(KNOWN_START, estimator=EstimatorParams(name="fixed-lag", fixed_lag=FixedLagParams(lag_s=4.0)))

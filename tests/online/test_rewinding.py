@@ -89,6 +89,7 @@ def test_wandering_errors_and_open_turns_are_taken_back_like_poses(seed: int) ->
     assert_same(follow(walk, shuffled(walk, rng), horizon_s=1000.0), offline(walk))
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(seeds, st.floats(0.0, 1.0), st.booleans())
 @example(2018, 0.0, True)  # a fix that is averaged with one which belongs to a step that is known later

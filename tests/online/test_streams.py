@@ -64,6 +64,7 @@ def test_steps_from_before_the_horizon_are_used_and_counted() -> None:
     assert np.abs(track_of(of_devices(updates)).position_m - whole.position_m).max() < 1.5
 
 
+@pytest.mark.slow
 def test_a_device_that_nobody_expected_joins() -> None:
     recording = recorded(2)
     updates = push_all(Tracker(KNOWN_START), slices(recording, FIFTHS))

@@ -119,7 +119,7 @@ def test_fixes_that_come_late_take_their_place(config: Config, devices: int, lat
     ("devices", "late"),
     [
         (1, False),
-        (2, True),
+        pytest.param(2, True, marks=pytest.mark.slow),
         pytest.param(1, True, marks=pytest.mark.slow),
         pytest.param(2, False, marks=pytest.mark.slow),
     ],

@@ -41,6 +41,7 @@ def test_errors_add_up_and_scaling_rights_the_first_walk(figure7) -> None:
     }
 
 
+@pytest.mark.slow
 def test_the_script_on_a_simulated_trip(figure7, tmp_path) -> None:
     trips = {"simulated": figure7.simulated_trip(0, paces=(1.0, 0.7))}
     (first, second) = trips["simulated"]

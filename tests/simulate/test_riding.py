@@ -100,6 +100,7 @@ def test_passengers_are_shaken_as_iso_2631_says(name: str) -> None:
         assert vertical[standing].std() < 0.2
 
 
+@pytest.mark.slow
 def test_a_rougher_road_shakes_more() -> None:
     shaken = [
         level_acceleration(simulate_walk(riding_walk(car(roughness), ride_s=80.0)))[1][:, 2].std()

@@ -122,6 +122,7 @@ def test_a_start_heading_that_contradicts_the_fixes_is_taken_away() -> None:
     assert found.start.position_m == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_a_walker_of_unusual_steps_is_believed_and_told() -> None:
     rng = np.random.default_rng(8)
     walk = simulate(rng, corridor_turns(rng), scale=1.5)

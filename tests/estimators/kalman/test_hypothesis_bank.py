@@ -268,6 +268,7 @@ def beside_a_grid(seed: int) -> tuple[float, Array]:
     return off, np.linalg.eigvalsh(np.linalg.solve(half, np.linalg.solve(half, found.covariance[:2, :2]).T))
 
 
+@pytest.mark.slow
 def test_an_unknown_start_heading_is_found_as_by_a_fine_grid() -> None:
     """Random walks with one to three fixes, which are so near that no error larger than stated is probable."""
     offs, ratios = zip(*(beside_a_grid(seed) for seed in range(60)), strict=True)

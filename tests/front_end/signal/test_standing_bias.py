@@ -97,6 +97,7 @@ def test_without_standing_nothing_changes() -> None:
     assert drift_deg(with_bias(0.0)) == pytest.approx(drift_deg(with_bias(0.0), enabled=False), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_bias_is_the_same_however_the_samples_are_cut() -> None:
     block = with_bias(62.34)
 

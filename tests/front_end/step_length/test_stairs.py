@@ -237,6 +237,7 @@ def test_a_gap_is_no_change_of_the_velocity() -> None:
     assert probabilities([*first, *second]).max() < 0.1
 
 
+@pytest.mark.slow
 def test_saved_and_restored_between_any_two_steps_it_goes_on_the_same() -> None:
     steps, stage = walk(FLIGHT), StairLengths(StairParams())
     found = []

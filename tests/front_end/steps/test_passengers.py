@@ -58,12 +58,12 @@ def ridden(vehicle: VehicleParams, posture: Posture, place: Place, seed: int) ->
         ("bus", "standing", "hand"),
         pytest.param("bus", "sitting", "pocket", marks=pytest.mark.slow),
         pytest.param("car", "sitting", "hand", marks=pytest.mark.slow),
-        ("car", "sitting", "seat"),
+        pytest.param("car", "sitting", "seat", marks=pytest.mark.slow),
         ("train", "standing", "pocket"),
         pytest.param("train", "sitting", "hand", marks=pytest.mark.slow),
         ("lift", "standing", "hand"),
         pytest.param("lift", "standing", "pocket", marks=pytest.mark.slow),
-        ("escalator", "standing", "hand"),
+        pytest.param("escalator", "standing", "hand", marks=pytest.mark.slow),
     ],
 )
 def test_passengers_take_at_most_a_step_a_minute(name: str, posture: Posture, place: Place) -> None:

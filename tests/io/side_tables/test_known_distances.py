@@ -49,6 +49,7 @@ def test_a_folder_is_no_table(tmp_path: Path) -> None:
         read_known_distances(tmp_path)
 
 
+@pytest.mark.slow
 def test_every_walk_of_the_real_table_is_read(shared_data: Path) -> None:
     walks = read_known_distances(shared_data / "known-distance" / "truth.csv")
     assert list(walks) == list("ABCDEFG")

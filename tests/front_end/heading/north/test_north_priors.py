@@ -225,6 +225,7 @@ def test_a_disturbed_stretch_is_found_and_weighs_less() -> None:
     assert all(one.sigma_rad > usual[one.time_s] for one in hit)
 
 
+@pytest.mark.slow
 def test_all_priors_together_know_no_more_than_the_part_that_stays_allows() -> None:
     stage = NorthPriors("phone", DEVICE, PARAMETERS, 1e-6)  # a perfect gyroscope
     priors = run(stage, held_steps(np.zeros(3000)))
