@@ -7,7 +7,7 @@ polygon without it is floor if it is an outermost one, and closed if it lies ins
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from pdr_est.errors import FloorPlanError
 from pdr_est.frames import Array
 from pdr_est.io.floor_plans.shapes import DrawnFloor, DrawnPolygon
+from pdr_est.io.text.geojson import features_of, properties_of, simple_geometries
 
 KINDS = ("floor", "closed", "wall")
 """Values of the property `kind`: walkable, not walkable, and a line or polygon that is a wall."""
@@ -55,12 +56,10 @@ def parse_geojson(data: bytes, place: str) -> Mapping[str, Any]:
         document = json.loads(data)
     except (ValueError, RecursionError) as error:
         raise FloorPlanError(f"{place}: is no JSON ({error}): {_REMEDY}, or a picture") from error
-    if isinstance(document, dict) and document.get("type") == "Feature":
-        document = {"type": "FeatureCollection", "features": [document]}
-    features = document.get("features") if isinstance(document, dict) else None
-    if not isinstance(features, list) or not features or not all(isinstance(one, dict) for one in features):
+    features = features_of(document)
+    if not features:
         raise FloorPlanError(f"{place}: has no list of features: {_REMEDY}")
-    return dict(document)
+    return {**document, "features": features}
 
 
 def read_geojson_plan(document: Mapping[str, Any], place: str) -> GeoJsonPlan:
@@ -74,8 +73,7 @@ def read_geojson_plan(document: Mapping[str, Any], place: str) -> GeoJsonPlan:
     floors: dict[str, DrawnFloor] = {}
     everywhere = DrawnFloor()
     for number, feature in enumerate(document["features"], start=1):
-        properties = feature.get("properties")
-        properties = properties if isinstance(properties, dict) else {}
+        properties = properties_of(feature)
         storey = _storey(properties)
         target = everywhere if storey is None else floors.setdefault(storey, DrawnFloor())
         _add(target, feature.get("geometry"), properties.get("kind"), _feature_name(number, properties), place)
@@ -99,7 +97,7 @@ def polygons_of(geometry: Any, name: str, place: str) -> list[DrawnPolygon]:
     FloorPlanError
         For coordinates that are no rings.
     """
-    rings = [_list(content, name, place) for kind, content in _simple_parts(geometry) if kind == "Polygon"]
+    rings = [_list(content, name, place) for kind, content in simple_geometries(geometry) if kind == "Polygon"]
     return [DrawnPolygon(name, tuple(_ring(ring, name, place) for ring in polygon)) for polygon in rings if polygon]
 
 
@@ -110,24 +108,10 @@ def _add(drawn: DrawnFloor, geometry: Any, kind: Any, name: str, place: str) -> 
     polygons = polygons_of(geometry, name, place)
     lists = {"floor": drawn.floor, "closed": drawn.closed, "wall": drawn.closed, None: drawn.undecided}
     lists[kind].extend(polygons)
-    lines = [_points(line, name, place, 2) for part, line in _simple_parts(geometry) if part == "LineString"]
+    lines = [_points(line, name, place, 2) for part, line in simple_geometries(geometry) if part == "LineString"]
     if lines and kind not in ("wall", None):
         raise FloorPlanError(f"{place}, {name}: a line cannot be {kind}: draw a polygon, or call it a wall")
     drawn.walls.extend(lines)
-
-
-def _simple_parts(geometry: Any) -> Iterator[tuple[str, Any]]:
-    """Yield type and coordinates of the simple geometries that a geometry consists of."""
-    if not isinstance(geometry, dict):
-        return
-    kind, content = geometry.get("type"), geometry.get("coordinates")
-    if kind in ("Polygon", "LineString"):
-        yield kind, content
-    elif kind in ("MultiPolygon", "MultiLineString"):
-        yield from ((kind.removeprefix("Multi"), part) for part in (content if isinstance(content, list) else []))
-    elif kind == "GeometryCollection" and isinstance(geometry.get("geometries"), list):
-        for part in geometry["geometries"]:
-            yield from _simple_parts(part)
 
 
 def _ring(ring: Any, name: str, place: str) -> Array:

@@ -12,6 +12,7 @@ from pdr_est.io.side_tables.fix_table import (
     TRAJECTORY_COLUMNS,
     position_table_of_cells,
 )
+from pdr_est.io.text.geojson import features_of, properties_of, simple_geometries
 from pdr_est.io.trajectories.trajectory import Trajectory, trajectory_from_table
 
 _TIMES_OF_LINES = ("coordTimes", "times", "time_s")
@@ -54,40 +55,39 @@ def read_geojson_trajectory(data: bytes, place: str) -> Trajectory:
 
 
 def _features(document: Any, place: str) -> list[Mapping[str, Any]]:
-    if isinstance(document, dict) and document.get("type") == "Feature":
-        return [document]
-    found = document.get("features") if isinstance(document, dict) else None
-    if not isinstance(found, list) or not all(isinstance(feature, dict) for feature in found):
+    found = features_of(document)
+    if found is None:
         raise RecordingError(f"{place}: is no GeoJSON Feature or FeatureCollection: give one with timed points")
     return found
 
 
 def _point_rows(feature: Mapping[str, Any], names: tuple[str, ...], place: str) -> Iterator[Row]:
-    shape, properties = _parts(feature)
-    if shape.get("type") != "Point" or properties.get("feature") in _NO_POSES or not _has_time(properties):
+    properties = properties_of(feature)
+    if properties.get("feature") in _NO_POSES or not _has_time(properties):
         return
     # Numbers and short texts only: what else a program writes about a point is no column of a trajectory.
     own = {key: value for key, value in properties.items() if isinstance(value, int | float | str | None)}
-    yield {**own, **_coordinates(shape.get("coordinates"), names, place)}
+    for coordinates in _single(feature, "Point"):
+        yield {**own, **_coordinates(coordinates, names, place)}
 
 
 def _line_rows(feature: Mapping[str, Any], names: tuple[str, ...], place: str) -> Iterator[Row]:
-    shape, properties = _parts(feature)
+    properties = properties_of(feature)
     times = next((properties[name] for name in _TIMES_OF_LINES if isinstance(properties.get(name), list)), None)
-    vertices = shape.get("coordinates")
-    if shape.get("type") != "LineString" or times is None or not isinstance(vertices, list):
-        return
-    if len(times) != len(vertices):
-        raise RecordingError(f"{place}: a line has {len(vertices)} vertices and {len(times)} times: {_UNTIMED}")
     device = properties.get("device") or properties.get("name")
-    for time, vertex in zip(times, vertices, strict=True):
-        yield {"time": time, "device": device, **_coordinates(vertex, names, place)}
+    for vertices in _single(feature, "LineString"):
+        if times is None or not isinstance(vertices, list):
+            continue
+        if len(times) != len(vertices):
+            raise RecordingError(f"{place}: a line has {len(vertices)} vertices and {len(times)} times: {_UNTIMED}")
+        for time, vertex in zip(times, vertices, strict=True):
+            yield {"time": time, "device": device, **_coordinates(vertex, names, place)}
 
 
-def _parts(feature: Mapping[str, Any]) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    """Return geometry and properties of a feature, empty where it has none."""
-    shape, properties = feature.get("geometry"), feature.get("properties")
-    return (shape if isinstance(shape, dict) else {}), (properties if isinstance(properties, dict) else {})
+def _single(feature: Mapping[str, Any], kind: str) -> list[Any]:
+    """Return the coordinates of a feature that is one geometry of a kind; several would share their times."""
+    shapes = list(simple_geometries(feature.get("geometry")))
+    return [coordinates for found, coordinates in shapes if found == kind and len(shapes) == 1]
 
 
 _NO_POSES = ("fix", "truth", "ellipse")  # features of pdr-est that are no poses of the track

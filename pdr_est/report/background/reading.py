@@ -3,7 +3,7 @@
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from pdr_est.errors import ConfigError, RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.text.geojson import features_of, simple_geometries
 from pdr_est.report.background.kinds import (
     PICTURE_TYPES,
     Background,
@@ -113,31 +114,22 @@ def _world_file(path: Path) -> list[float]:
 def _lines(path: Path) -> LineBackground:
     try:
         document = json.loads(_content(path))
-        lines = tuple(_lines_of(document))
-    except (ValueError, TypeError, KeyError, IndexError, RecursionError, AttributeError) as error:
+        lines = tuple(_lines_of(features_of(document)))
+    except (ValueError, TypeError, RecursionError) as error:
         raise RecordingError(f"{path}: is no GeoJSON ({error}): export it again") from error
     if not lines:
         raise RecordingError(f"{path}: holds no line and no polygon: give GeoJSON with the lines of a plan")
     return LineBackground(lines, document.get("coordinate_unit") != "metre")
 
 
-def _lines_of(node: dict[str, Any]) -> Iterator[Array]:
-    """List the lines of a GeoJSON object; polygons give their rings, points nothing."""
-    kind = node["type"]
-    if kind == "FeatureCollection":
-        for feature in node["features"]:
-            yield from _lines_of(feature)
-    elif kind == "Feature" and node["geometry"] is not None:
-        yield from _lines_of(node["geometry"])
-    elif kind == "GeometryCollection":
-        for geometry in node["geometries"]:
-            yield from _lines_of(geometry)
-    elif kind == "LineString":
-        yield _points(node["coordinates"])
-    elif kind in ("MultiLineString", "Polygon"):
-        yield from (_points(line) for line in node["coordinates"])
-    elif kind == "MultiPolygon":
-        yield from (_points(ring) for polygon in node["coordinates"] for ring in polygon)
+def _lines_of(features: Sequence[Mapping[str, Any]] | None) -> Iterator[Array]:
+    """List the lines of features; polygons give their rings, points nothing."""
+    if features is None:
+        raise ValueError("neither features nor a geometry")
+    for feature in features:
+        for kind, coordinates in simple_geometries(feature.get("geometry")):
+            lines = {"LineString": [coordinates], "Polygon": coordinates}.get(kind, [])
+            yield from (_points(line) for line in lines)
 
 
 def _points(coordinates: list[list[float]]) -> Array:
