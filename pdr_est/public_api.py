@@ -7,16 +7,18 @@ arguments and more results.
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from pdr_est import pipeline
 from pdr_est.config import Config
-from pdr_est.errors import EstimationError
+from pdr_est.errors import EstimationError, FloorPlanError
 from pdr_est.estimators import AUTO, Estimator, estimator_named
 from pdr_est.estimators.common.unknown_direction import with_unknown_direction
 from pdr_est.estimators.person.track import fuse
 from pdr_est.evaluate.walk_findings import findings_of
+from pdr_est.params.validation_messages import brief
 from pdr_est.parts import ESTIMATOR, NO_PARTS, Parts, given_part
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.floor_plan import BuildingPlan, FloorPlan, PresentFloor
@@ -29,6 +31,7 @@ from pdr_est.types.measurements import (
     StartPose,
     StepOdometry,
 )
+from pdr_est.types.on_plan.sound_plans import require_sound_floors, require_sound_plan
 from pdr_est.types.recording import Recording
 from pdr_est.types.steps import Step
 from pdr_est.types.track import Track, concatenate
@@ -175,10 +178,10 @@ def estimate(
 
     Raises
     ------
-    EstimationError
-        If there is no odometry, it is out of order, or the measurements have no unique solution.
+    EstimationError, FloorPlanError
+        If there is no odometry, it is out of order, no unique solution exists, or the plan cannot be used.
     """
-    plans = (plan,) if isinstance(plan, FloorPlan) else tuple(plan or ())
+    plans = _checked_plans(plan)
     devices = [
         DeviceMeasurements(one.device, one.start_s, (*one.measurements, *fixes, *plans))
         for one in _by_device(odometry)
@@ -194,6 +197,20 @@ def estimate(
     track = replace(track, findings=(*track.findings, *further))
     track = concatenate([track, fuse(track)]) if len(devices) > 1 else track
     return with_unknown_direction(track, devices, known)
+
+
+def _checked_plans(plan: Any) -> tuple[FloorPlan | PresentFloor, ...]:
+    """List the plan, or the floors with their plans; raise FloorPlanError for those that cannot be used."""
+    if plan is None or isinstance(plan, FloorPlan):
+        if plan is not None:
+            require_sound_plan(plan)
+        return () if plan is None else (plan,)
+    if not isinstance(plan, Sequence) or not all(isinstance(one, PresentFloor) for one in plan):
+        raise FloorPlanError(
+            f"plan = {brief(plan)}: give a FloorPlan, or a PresentFloor for each change of the floor"
+        )
+    require_sound_floors(plan)
+    return tuple(plan)
 
 
 def _by_device(odometry: Odometry) -> list[DeviceMeasurements]:

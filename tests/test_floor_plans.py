@@ -13,12 +13,12 @@ from pdr_est import pipeline
 from pdr_est.config import Config, StartParams
 from pdr_est.errors import FloorPlanError
 from pdr_est.estimators import EstimatorSpec, estimator_named
-from pdr_est.frames import Array, rotate_vectors
+from pdr_est.frames import Array, GeoOrigin, rotate_vectors
 from pdr_est.parts import Parts
 from pdr_est.pipeline.map_directions import with_plan_directions
 from pdr_est.simulate import preset, simulate_walk
 from pdr_est.simulate.walk import SimulatedWalk
-from pdr_est.types.floor_plan import FloorPlan, WalkableArea
+from pdr_est.types.floor_plan import FloorPlan, PresentFloor, WalkableArea
 from pdr_est.types.measurements import DeviceMeasurements
 from pdr_est.types.track import Track
 
@@ -161,3 +161,26 @@ def test_a_start_off_the_floor_is_refused_in_words() -> None:
 def test_what_is_no_plan_is_refused_in_words(plan: Any, words: str) -> None:
     with pytest.raises(FloorPlanError, match=words):
         pdr_est.smooth(office().recording, START, plan=plan)
+
+
+def test_a_plan_in_another_map_frame_is_refused() -> None:
+    recording = replace(office().recording, origin=GeoOrigin(48.1, 11.5))
+    plan = replace(hall(), origin=GeoOrigin(48.2, 11.5))
+    with pytest.raises(
+        FloorPlanError, match=r"latitude 48.2.* read the plan with origin=recording.origin"
+    ):
+        pdr_est.smooth(recording, START, plan=plan)
+
+
+@pytest.mark.parametrize(
+    ("plan", "words"),
+    [
+        (replace(hall(), sigma_m=np.nan), "plan hall: sigma_m = nan"),
+        ([PresentFloor(0.0, hall(), 2.0)], r"plan\[0\]: probability = 2.0"),
+        ("hall.geojson", "plan = 'hall.geojson': give a FloorPlan, or a PresentFloor"),
+    ],
+)
+def test_steps_are_not_estimated_on_a_plan_of_no_use(plan: Any, words: str) -> None:
+    step = pdr_est.StepOdometry("phone", 0.5, 0.0, 0.7, 0.0, 0.01 * np.eye(3))
+    with pytest.raises(FloorPlanError, match=words):
+        pdr_est.estimate([step], plan=plan)

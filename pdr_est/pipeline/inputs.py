@@ -13,6 +13,7 @@ from pdr_est.params.validation_messages import brief
 from pdr_est.preprocessing.quality.requirements import require_track_sensors
 from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
+from pdr_est.types.on_plan.sound_plans import require_sound_plan, same_origin
 from pdr_est.types.recording import Recording
 
 _FARTHEST_SIGMAS = 4.0  # of start and drawing that a start may lie off the floor: one in thousands is farther
@@ -54,13 +55,15 @@ def refuse_unusable_inputs(recording: Recording, config: Config, fixes: Any, pla
         For something that is no recording, for a device without a sensor that a track needs, and for fixes that are
         no `PositionFix` or outside the time of the recording.
     FloorPlanError
-        For something that is no plan, and for a start outside of its walkable area.
+        For something that is no plan, a plan in another map frame, and a start outside of its walkable area.
     """
     refuse_wrong_types(recording, config)
     for device in recording.devices:
         require_track_sensors(device, recording.place_of(device), one_of_several=len(recording.devices) > 1)
     _refuse_unusable_fixes(fixes, recording)
     refuse_unusable_plan(plan, config)
+    if plan is not None:
+        _refuse_other_frame(plan, recording)
 
 
 def _refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
@@ -79,18 +82,26 @@ def _refuse_unusable_fixes(fixes: Any, recording: Recording) -> None:
 
 
 def refuse_unusable_plan(plan: Any, config: Config) -> None:
-    """Raise FloorPlanError for something that is no plan, and for a start that lies off its walkable area."""
+    """Raise FloorPlanError for something that is no plan, or none to use, and for a start off its walkable area."""
     if plan is None:
         return
     if not isinstance(plan, FloorPlan | BuildingPlan):
         raise FloorPlanError(f"plan = {brief(plan)}: is no FloorPlan: read it first: pdr_est.read_floor_plan(path)")
-    drawn = plan.plans if isinstance(plan, BuildingPlan) else (plan,)
-    for one in drawn:
-        if not one.areas:
-            raise FloorPlanError(f"plan {one.name}: has no walkable area: give it one, or leave the plan out")
+    require_sound_plan(plan)
     begins_on = plan.start_plan if isinstance(plan, BuildingPlan) else plan
     if begins_on is not None:
         _refuse_start_outside(begins_on, config)
+
+
+def _refuse_other_frame(plan: FloorPlan | BuildingPlan, recording: Recording) -> None:
+    """Raise FloorPlanError for a plan whose map frame has another place on the Earth than that of the recording."""
+    here, there = recording.origin, plan.origin
+    if here is not None and there is not None and not same_origin(here, there):
+        raise FloorPlanError(
+            f"plan {plan.name}: its origin is at latitude {there.latitude_deg:.6f}°, longitude "
+            f"{there.longitude_deg:.6f}°, that of the recording at {here.latitude_deg:.6f}°, "
+            f"{here.longitude_deg:.6f}°: read the plan with origin=recording.origin"
+        )
 
 
 def _refuse_start_outside(plan: FloorPlan, config: Config) -> None:
