@@ -166,9 +166,7 @@ def test_what_is_no_plan_is_refused_in_words(plan: Any, words: str) -> None:
 def test_a_plan_in_another_map_frame_is_refused() -> None:
     recording = replace(office().recording, origin=GeoOrigin(48.1, 11.5))
     plan = replace(hall(), origin=GeoOrigin(48.2, 11.5))
-    with pytest.raises(
-        FloorPlanError, match=r"latitude 48.2.* read the plan with origin=recording.origin"
-    ):
+    with pytest.raises(FloorPlanError, match=r"latitude 48.2.* read the plan with origin=recording.origin"):
         pdr_est.smooth(recording, START, plan=plan)
 
 

@@ -35,6 +35,7 @@ def test_a_plan_is_described(tmp_path: Path) -> None:
     assert lines["walkable"].strip() == "475 m², 95 % of the box around it"
     assert lines["position"].strip() == "(7, 7) lies 2.0 m off the walkable floor"
     assert "0°, 90°, 180°, 270° counter-clockwise" in result.stdout
+    assert "--start nan 0: is no position on a plan" in refused("plan", plan_file(tmp_path), "--start", "nan", 0)
 
 
 def test_the_page_shows_plan_and_scale(tmp_path: Path) -> None:

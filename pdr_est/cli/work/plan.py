@@ -12,6 +12,8 @@ from pdr_est.output.atomic_output import staged_folder, write_text
 from pdr_est.report.floor_plans.description import plan_rows
 from pdr_est.types.floor_plan import FloorPlan
 
+_FARTHEST_M = 1e8
+
 PAGE, DRAWING = "plan.html", "plan.geojson"
 
 
@@ -27,6 +29,8 @@ def describe_plan(
     quiet: bool,
 ) -> None:
     """Print what a plan shows, and write its page and its drawing if a folder is given."""
+    if start is not None and not all(abs(one) < _FARTHEST_M for one in start):  # false for NaN, too
+        raise click.UsageError(f"--start {start[0]:g} {start[1]:g}: is no position on a plan: give metres")
     found = _plan(plan, floor or "", points, darkness, inside)
     rows = plan_rows(found, start)
     if output is not None:

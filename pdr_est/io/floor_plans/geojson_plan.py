@@ -15,12 +15,14 @@ import numpy as np
 
 from pdr_est.errors import FloorPlanError
 from pdr_est.frames import Array
+from pdr_est.io.floor_plans.plan_units import required_sigma_m
 from pdr_est.io.floor_plans.shapes import DrawnFloor, DrawnPolygon
 from pdr_est.io.text.geojson import features_of, properties_of, simple_geometries
 
 KINDS = ("floor", "closed", "wall")
 """Values of the property `kind`: walkable, not walkable, and a line or polygon that is a wall."""
 
+_GEOMETRIES = ("Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
 _FLOOR_TITLES = ("floor", "level")
 _REMEDY = "give a GeoJSON FeatureCollection with polygons of the floor"
 
@@ -86,7 +88,8 @@ def read_geojson_plan(document: Mapping[str, Any], place: str) -> GeoJsonPlan:
 def _feature_name(number: int, properties: Mapping[str, Any]) -> str:
     """Name a feature in messages, such as `feature 3 ("lift")`."""
     title = properties.get("name")
-    return f"feature {number}" + (f' ("{title[:40]}")' if isinstance(title, str) and title else "")
+    words = "".join(one for one in title[:40] if one.isprintable()) if isinstance(title, str) else ""
+    return f"feature {number}" + (f' ("{words}")' if words else "")
 
 
 def polygons_of(geometry: Any, name: str, place: str) -> list[DrawnPolygon]:
@@ -97,6 +100,7 @@ def polygons_of(geometry: Any, name: str, place: str) -> list[DrawnPolygon]:
     FloorPlanError
         For coordinates that are no rings.
     """
+    _require_known(geometry, name, place)
     rings = [_list(content, name, place) for kind, content in simple_geometries(geometry) if kind == "Polygon"]
     return [DrawnPolygon(name, tuple(_ring(ring, name, place) for ring in polygon)) for polygon in rings if polygon]
 
@@ -112,6 +116,22 @@ def _add(drawn: DrawnFloor, geometry: Any, kind: Any, name: str, place: str) -> 
     if lines and kind not in ("wall", None):
         raise FloorPlanError(f"{place}, {name}: a line cannot be {kind}: draw a polygon, or call it a wall")
     drawn.walls.extend(lines)
+
+
+def _require_known(geometry: Any, name: str, place: str) -> None:
+    """Raise FloorPlanError for a geometry that GeoJSON does not have, and for one that is no list of others."""
+    if geometry is None:
+        return
+    kind = geometry.get("type") if isinstance(geometry, dict) else None
+    if kind == "GeometryCollection":
+        for part in _list(geometry.get("geometries"), name, place):
+            _require_known(part, name, place)
+    elif kind not in _GEOMETRIES:
+        raise FloorPlanError(
+            f"{place}, {name}: a geometry of the type {str(kind)[:40]!r}: is none of GeoJSON: export the plan again"
+        )
+    else:
+        _list(geometry.get("coordinates"), name, place)
 
 
 def _ring(ring: Any, name: str, place: str) -> Array:
@@ -130,10 +150,14 @@ def _points(content: Any, name: str, place: str, least: int) -> Array:
         raise FloorPlanError(
             f"{place}, {name}: {str(pairs)[:60]} is no list of at least {least} positions: correct it"
         )
+    numbers = [pair[:2] for pair in pairs]
+    for pair in numbers:
+        if type(pair[0]) not in (float, int) or type(pair[1]) not in (float, int):
+            raise FloorPlanError(f"{place}, {name}: {str(pair)[:60]} is no pair of numbers: correct it")
     try:
-        points = np.array([pair[:2] for pair in pairs], dtype=np.float64)
-    except (ValueError, TypeError) as error:
-        raise FloorPlanError(f"{place}, {name}: coordinates that are no numbers ({error}): correct them") from error
+        points = np.array(numbers, dtype=np.float64)
+    except OverflowError:
+        points = np.array([np.inf])
     if not np.isfinite(points).all():
         raise FloorPlanError(f"{place}, {name}: a coordinate is not finite: correct it")
     return points
@@ -147,8 +171,12 @@ def _list(content: Any, name: str, place: str) -> list[Any]:
 
 def _storey(properties: Mapping[str, Any]) -> str | None:
     """Name the floor of a feature; None where it belongs to all."""
-    values = (properties.get(title) for title in _FLOOR_TITLES)
-    return next((str(one) for one in values if isinstance(one, str | int | float) and str(one)), None)
+    for value in (properties.get(title) for title in _FLOOR_TITLES):
+        if isinstance(value, str) and value.strip():
+            return " ".join(value.split())
+        if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+            return str(int(value)) if value == int(value) else str(value)
+    return None
 
 
 def _unit(document: Mapping[str, Any], place: str) -> str | None:
@@ -160,8 +188,4 @@ def _unit(document: Mapping[str, Any], place: str) -> str | None:
 
 def _sigma_m(document: Mapping[str, Any], place: str) -> float | None:
     sigma_m = document.get("sigma_m")
-    if sigma_m is None:
-        return None
-    if isinstance(sigma_m, bool) or not isinstance(sigma_m, int | float) or not 0.0 < sigma_m < math.inf:
-        raise FloorPlanError(f"{place}: sigma_m = {str(sigma_m)[:40]}: is no positive number of metres: correct it")
-    return float(sigma_m)
+    return None if sigma_m is None else required_sigma_m(sigma_m, place)

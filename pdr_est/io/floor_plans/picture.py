@@ -2,6 +2,7 @@
 
 import io
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from pdr_est.errors import FloorPlanError, RecordingError
 from pdr_est.frames import Array
+from pdr_est.io.floor_plans.plan_units import require_near, required_sigma_m
 from pdr_est.io.floor_plans.shapes import DrawnFloor, DrawnPolygon
 from pdr_est.io.floor_plans.walkable import walkable_areas
 from pdr_est.io.text.container import Source
@@ -26,6 +28,7 @@ LEAST_ROOM_M2 = 1.0
 PICTURE_BEGINS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\x00", b"MM\x00*", b"RIFF")
 """First bytes of PNG, JPEG, GIF, BMP, TIFF and WebP."""
 
+_JPEG = b"\xff\xd8\xff"
 _MOST_PIXELS = 100_000_000
 _METRES_PER_PIXEL = (1e-3, 2.0)
 
@@ -85,10 +88,10 @@ def read_plan_picture(
     place = str(path)
     image = _picture(Path(path), place)
     to_map = _PictureToMap.of_points(points, image.shape, place)
+    sigma = max(2.0 * to_map.metres_per_pixel, 0.1) if sigma_m is None else required_sigma_m(sigma_m, place)
     room = _rooms(image, to_map, darkness, inside_m, place)
     drawn = DrawnFloor(floor=_outlines(_skimage(place).measure, room, to_map))
     areas, _ = walkable_areas(drawn, place, repair=True)
-    sigma = max(2.0 * to_map.metres_per_pixel, 0.1) if sigma_m is None else sigma_m
     return FloorPlan(Path(path).stem, areas, np.empty((0, 2, 2)), sigma, floor)
 
 
@@ -109,6 +112,9 @@ class _PictureToMap:
                     f"{place}: the point at column {one.column:g}, row {one.row:g} lies outside of the picture of "
                     f"{shape[1]} x {shape[0]} pixels: count from its upper left corner"
                 )
+            if not (math.isfinite(one.x_m) and math.isfinite(one.y_m)):
+                raise FloorPlanError(f"{place}: the known point ({one.x_m}, {one.y_m}) m is no position: correct it")
+        require_near(np.array([(one.x_m, one.y_m) for one in points]), place)
         first, second = (complex(one.column, -one.row) for one in points)
         map_first, map_second = (complex(one.x_m, one.y_m) for one in points)
         factor = (map_second - map_first) / (second - first) if first != second else 0j
@@ -154,16 +160,29 @@ def _picture(path: Path, place: str) -> Array:
     if not data.startswith(PICTURE_BEGINS):
         raise FloorPlanError(f"{place}: is no picture: give PNG, JPEG or TIFF")
     try:
-        image = skimage.util.img_as_float(skimage.io.imread(io.BytesIO(data)))
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", "Image size")  # of a size that fills the memory
+            image = _upright_photo(data) if data.startswith(_JPEG) else skimage.io.imread(io.BytesIO(data))
     except Exception as error:  # each of the libraries for pictures has its own errors
         raise FloorPlanError(f"{place}: is no picture that can be read ({error}): give PNG, JPEG or TIFF") from error
     if image.ndim not in (2, 3) or image.shape[0] * image.shape[1] > _MOST_PIXELS:
         raise FloorPlanError(f"{place}: an image of shape {image.shape}: give one page of at most 100 megapixels")
+    if image.dtype.kind not in "uib" and not np.isfinite(image).all():
+        raise FloorPlanError(f"{place}: holds brightnesses that are no finite numbers: export it again")
+    image = skimage.util.img_as_float(image)
     if image.ndim == 2:
         return np.asarray(image, dtype=np.float64)
     if image.shape[2] in (2, 4):  # the last channel is the opacity
         image = image[..., :-1] * image[..., -1:] + 1.0 - image[..., -1:]
     return np.asarray(image.mean(axis=2), dtype=np.float64)
+
+
+def _upright_photo(data: bytes) -> Any:
+    """Read a photo turned as every program shows it: phones store how they were held beside the pixels."""
+    from PIL import Image, ImageOps
+
+    with Image.open(io.BytesIO(data)) as photo:
+        return np.asarray(ImageOps.exif_transpose(photo).convert("RGB"))
 
 
 def _rooms(
@@ -181,7 +200,7 @@ def _rooms(
     walls = _without_small_pieces(skimage, dark, LEAST_WALL_M / to_map.metres_per_pixel)
     room: NDArray[np.int64] = skimage.measure.label(~walls, connectivity=1)
     if inside_m:
-        chosen = [_room_at(room, to_map.pixel(one), one, place) for one in inside_m]
+        chosen = [_room_at(room, to_map, one, place) for one in inside_m]
     else:
         at_edge = np.unique(np.concatenate([room[0], room[-1], room[:, 0], room[:, -1]]))
         size_m2 = np.bincount(room.ravel()) * to_map.metres_per_pixel**2
@@ -194,8 +213,8 @@ def _rooms(
     return np.where(np.isin(room, chosen), room, 0)
 
 
-def _room_at(room: NDArray[np.int64], pixel: tuple[int, int], position_m: tuple[float, float], place: str) -> int:
-    row, column = pixel
+def _room_at(room: NDArray[np.int64], to_map: _PictureToMap, position_m: tuple[float, float], place: str) -> int:
+    row, column = to_map.pixel(position_m) if np.isfinite(position_m).all() else (-1, -1)
     in_picture = 0 <= row < room.shape[0] and 0 <= column < room.shape[1]
     found = int(room[row, column]) if in_picture else 0
     if not found:

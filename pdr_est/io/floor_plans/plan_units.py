@@ -1,7 +1,8 @@
 """Bring a drawing into the map frame: find out whether its coordinates are degrees, and convert them to metres."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -9,15 +10,16 @@ from pdr_est.errors import FloorPlanError
 from pdr_est.frames import Array, GeoOrigin
 from pdr_est.io.conversion.gnss import east_north
 from pdr_est.io.floor_plans.shapes import DrawnFloor, DrawnPolygon
+from pdr_est.types.on_plan.sound_plans import LARGEST_SIGMA_DRAWING_M
 
 _DEGREES_OF_A_SITE = 0.1  # 11 km along a meridian: no building is longer, and none is only 0.1 m long
 _MOST_M = 50_000.0  # from the origin, which belongs near the walk
+_LONGEST_BUILDING_M = 3_000.0  # terminals of airports reach 2 km (ours)
 
 
 def looks_like_degrees(coordinates: Array) -> bool:
-    """Tell whether coordinates (n, 2) can only be longitudes and latitudes: on the Earth, and all within 0.1°."""
-    on_earth = bool((np.abs(coordinates) <= (180.0, 90.0)).all())
-    return on_earth and float(np.ptp(coordinates, axis=0).max()) < _DEGREES_OF_A_SITE
+    """Tell whether coordinates (n, 2) can only be longitudes and latitudes, because all of them are within 0.1°."""
+    return float(np.ptp(coordinates, axis=0).max()) < _DEGREES_OF_A_SITE
 
 
 def south_west(coordinates_deg: Array) -> GeoOrigin:
@@ -56,10 +58,31 @@ def require_near(coordinates_m: Array, place: str) -> None:
     farthest_m = float(np.abs(coordinates_m).max())
     if farthest_m > _MOST_M:
         raise FloorPlanError(
-            f"{place}: reaches {farthest_m / 1000.0:.0f} km from the origin of the map frame: give the plan of the "
-            "place of the walk, in degrees, or in metres from an origin near it (projected coordinates count from "
-            "far away)"
+            f"{place}: reaches {farthest_m / 1000.0:.4g} km from the origin of the map frame: give the plan of the "
+            "place of the walk, in degrees with the longitude first, or in metres from an origin near it (projected "
+            "coordinates count from far away)"
         )
+
+
+def doubts_of_size(coordinates_m: Array) -> Iterator[str]:
+    """Tell in words if coordinates (n, 2), m, are wider than any building."""
+    longest_m = float(np.ptp(coordinates_m, axis=0).max())
+    if longest_m > _LONGEST_BUILDING_M:
+        yield (
+            f"the plan is {longest_m / 1000.0:.3g} km long, and no building is: if its coordinates are millimetres, "
+            "centimetres or feet, convert them to metres"
+        )
+
+
+def required_sigma_m(sigma_m: Any, place: str) -> float:
+    """Return the standard deviation of a drawing, m; raise FloorPlanError for something else."""
+    number = isinstance(sigma_m, int | float | np.floating) and not isinstance(sigma_m, bool)
+    if not number or not 0.0 < sigma_m <= LARGEST_SIGMA_DRAWING_M:
+        raise FloorPlanError(
+            f"{place}: sigma_m = {repr(sigma_m)[:40]}: give a positive number of metres up to "
+            f"{LARGEST_SIGMA_DRAWING_M:g}"
+        )
+    return float(sigma_m)
 
 
 def stretched_to(drawn: DrawnFloor, corner: Array, scale: Array) -> DrawnFloor:

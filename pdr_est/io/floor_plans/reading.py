@@ -12,11 +12,13 @@ from pdr_est.io.floor_plans.competition_map import INFO, MAP, competition_floor
 from pdr_est.io.floor_plans.geojson_plan import parse_geojson, read_geojson_plan
 from pdr_est.io.floor_plans.picture import PICTURE_BEGINS
 from pdr_est.io.floor_plans.plan_units import (
+    doubts_of_size,
     looks_like_degrees,
     metres_from_degrees,
     require_degrees,
     require_metres,
     require_near,
+    required_sigma_m,
     south_west,
 )
 from pdr_est.io.floor_plans.shapes import DrawnFloor
@@ -75,8 +77,10 @@ def read_floor_plans(
     FloorPlanError
         For a plan that cannot be used.
     """
-    if sigma_m is not None and not 0.0 < sigma_m < np.inf:
-        raise FloorPlanError(f"{path}: sigma_m = {sigma_m}: is no positive number of metres: correct it")
+    if sigma_m is not None:
+        sigma_m = required_sigma_m(sigma_m, str(path))
+    if origin is not None and not isinstance(origin, GeoOrigin):
+        raise FloorPlanError(f"{path}: origin is a {type(origin).__name__}: give a GeoOrigin, or None")
     try:
         source = Source.open(path)
         member = _plan_member(source)
@@ -127,8 +131,10 @@ def _of_geojson(
     metric = {
         floor: drawn if known is None else metres_from_degrees(drawn, known) for floor, drawn in read.floors.items()
     }
-    require_near(np.concatenate([array for drawn in metric.values() for array in drawn.arrays()]), place)
-    return tuple(_plan(drawn, place, name, floor, known, sigma) for floor, drawn in metric.items())
+    all_m = np.concatenate([array for drawn in metric.values() for array in drawn.arrays()])
+    require_near(all_m, place)
+    notes = tuple(doubts_of_size(all_m))
+    return tuple(_plan(drawn, place, name, floor, known, sigma, notes) for floor, drawn in metric.items())
 
 
 def _origin(coordinates: Array, unit: str | None, place: str, origin: GeoOrigin | None) -> GeoOrigin | None:

@@ -11,6 +11,7 @@ from pdr_est.io.floor_plans.reading import read_floor_plan
 from pdr_est.io.floor_plans.writing import write_floor_plan
 
 pytest.importorskip("shapely")
+image_library = pytest.importorskip("PIL.Image")
 skimage_io = pytest.importorskip("skimage.io")
 
 SCALE = 0.05  # m a pixel
@@ -77,6 +78,14 @@ def test_what_cannot_be_a_plan_is_refused_in_words(tmp_path: Path) -> None:
         read_plan_picture(path, [known[0], known[0]])
     with pytest.raises(FloorPlanError, match="column 900, row 10 lies outside of the picture of 700 x 500 pixels"):
         read_plan_picture(path, [known[0], KnownPoint(900, 10, 0, 0)])
+    with pytest.raises(FloorPlanError, match=r"the known point \(nan, 0"):
+        read_plan_picture(path, [known[0], KnownPoint(650, 50, float("nan"), 0.0)])
+    with pytest.raises(FloorPlanError, match="km from the origin of the map frame"):
+        read_plan_picture(path, [KnownPoint(one.column, one.row, one.x_m + 1e9, one.y_m) for one in known])
+    with pytest.raises(FloorPlanError, match=r"the position \(nan, 0\) m lies outside"):
+        read_plan_picture(path, known, inside_m=[(float("nan"), 0.0)])
+    with pytest.raises(FloorPlanError, match="sigma_m = nan"):
+        read_plan_picture(path, known, sigma_m=float("nan"))
     with pytest.raises(FloorPlanError, match="no room is closed by walls"):
         read_plan_picture(path, known, darkness=0.99)
     with pytest.raises(FloorPlanError, match="no such file"):
@@ -99,3 +108,25 @@ def test_the_written_plan_is_read_again(tmp_path: Path) -> None:
     assert again.area_m2 == pytest.approx(made.area_m2, rel=1e-4)
     assert again.bounds_m == pytest.approx(made.bounds_m, abs=1e-3)
     assert (again.sigma_m, again.origin) == (made.sigma_m, None)
+
+
+def test_pictures_that_fill_the_memory_or_hold_no_numbers_are_refused(tmp_path: Path) -> None:
+    known = [point(50, 450), point(650, 50)]
+    image_library.new("1", (9500, 9500), 1).save(tmp_path / "large.png")
+    with pytest.raises(FloorPlanError, match="90250000 pixels"):
+        read_plan_picture(tmp_path / "large.png", known)
+    image_library.fromarray(np.full((500, 700), np.nan, dtype=np.float32)).save(tmp_path / "hall.tif")
+    with pytest.raises(FloorPlanError, match="no finite numbers"):
+        read_plan_picture(tmp_path / "hall.tif", known)
+
+
+def test_a_photo_is_read_as_programs_show_it(tmp_path: Path) -> None:
+    shown = image_library.open(picture(tmp_path / "hall.png")).convert("L")
+    turned_right = 6
+    stored = shown.rotate(90, expand=True)
+    exif = stored.getexif()
+    exif[0x0112] = turned_right
+    stored.save(tmp_path / "hall.jpg", exif=exif, quality=95)
+    known = [point(50, 450), point(650, 50)]
+    photo = read_plan_picture(tmp_path / "hall.jpg", known)
+    assert photo.bounds_m == pytest.approx(read_plan_picture(tmp_path / "hall.png", known).bounds_m, abs=0.3)

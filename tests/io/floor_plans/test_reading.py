@@ -127,11 +127,24 @@ def test_floors_are_told_apart(tmp_path: Path) -> None:
         ([polygon(HALL, kind="lawn")], {}, "kind = 'lawn': is none of floor, closed, wall"),
         ([wall([0, 0], [1, 1], kind="floor")], {}, "a line cannot be floor: draw a polygon"),
         ([polygon([[0, 0], [1, 1], [0, 0]])], {}, "a ring of 2 corners"),
-        ([polygon([[0, 0], [1, "a"], [0, 3]])], {}, "coordinates that are no numbers"),
+        ([polygon([[0, 0], [1, "a"], [0, 3]])], {}, r"feature 1: \[1, 'a'\] is no pair of numbers"),
+        ([polygon([[0, 0], [True, 4], [0, 3]])], {}, "is no pair of numbers"),
+        ([polygon([[0, 0], [10**400, 4], [0, 3]])], {}, "a coordinate is not finite"),
+        ([polygon([[0, 0], [1e300, 4], [0, 3]])], {}, r"reaches 1e\+297 km from the origin"),
+        ([polygon([[48.1, 121.5], [48.101, 121.5], [48.1, 121.501]])], {}, "longitude first"),
+        (
+            [polygon(HALL), {"type": "Feature", "geometry": {"type": "polygon", "coordinates": [HALL]}}],
+            {},
+            "feature 2: a geometry of the type 'polygon'",
+        ),
+        ([{"type": "Feature", "geometry": {"type": "MultiPolygon", "coordinates": None}}], {}, "is no list"),
         ([polygon([[0, 0], [1], [0, 3]])], {}, "no list of at least 3 positions"),
         ([wall([0, 0], [1, 1])], {}, "no walkable floor"),
         ([polygon(HALL, kind="closed")], {}, "no walkable floor"),
-        ([polygon(HALL)], {"sigma_m": -1}, "sigma_m = -1: is no positive number"),
+        ([polygon(HALL)], {"sigma_m": -1}, "sigma_m = -1: give a positive number of metres up to 10"),
+        ([polygon(HALL)], {"sigma_m": "0.2"}, "sigma_m = '0.2': give a positive number"),
+        ([polygon(HALL)], {"sigma_m": 10**400}, "sigma_m = 1000"),
+        ([polygon(HALL)], {"sigma_m": 30.0}, "up to 10"),
         ([{"type": "Feature", "geometry": None, "properties": None}], {}, "neither polygons nor lines"),
         ([], {}, "no list of features"),
     ],
@@ -233,3 +246,26 @@ def test_a_crossing_outline_with_a_spike_keeps_its_areas(tmp_path: Path) -> None
     moved = [[x + 5, y + 5] for x, y in spiked]
     folder = competition_folder(tmp_path, polygon(degrees_of(HALL, corner)), polygon(degrees_of(moved, corner)))
     assert read_floor_plan(folder).area_m2 == pytest.approx(2.0 * (1200.0 - 50.0), rel=1e-3)
+
+
+def test_names_of_floors_are_text_without_surprises(tmp_path: Path) -> None:
+    floors = [polygon(HALL, floor=floor) for floor in (1.0, 2, " 3\n", "<b>4</b>")]
+    plans = read_floor_plans(written(tmp_path, *floors))
+    assert [plan.floor for plan in plans] == ["1", "2", "3", "<b>4</b>"]
+    (plan,) = read_floor_plans(written(tmp_path, polygon(HALL, floor=True)))
+    assert plan.floor == ""
+
+
+def test_plans_larger_than_buildings_are_doubted(tmp_path: Path) -> None:
+    plan = read_floor_plan(written(tmp_path, polygon([[1000 * x, 1000 * y] for x, y in HALL])))
+    (note,) = plan.notes
+    assert "km long, and no building is" in note
+    assert "convert them to metres" in note
+
+
+def test_wrong_arguments_are_refused_in_words(tmp_path: Path) -> None:
+    path = written(tmp_path, polygon(HALL))
+    with pytest.raises(FloorPlanError, match="origin is a tuple: give a GeoOrigin"):
+        read_floor_plan(path, origin=(48.1, 11.5))  # type: ignore[arg-type]
+    with pytest.raises(FloorPlanError, match="sigma_m = 'a': give a positive number"):
+        read_floor_plan(path, sigma_m="a")  # type: ignore[arg-type]
