@@ -101,7 +101,8 @@ def follow_live(
     RecordingError
         If no line holds samples.
     """
-    reader, tracker, told = LiveReader(platform), Tracker(config, plan=plan), BoundedNotes()
+    reader = LiveReader(platform, None if plan is None else plan.origin)
+    tracker, told = Tracker(config, plan=plan), BoundedNotes()
     number = bad = 0
     last, heard = "", False
     gc.collect()

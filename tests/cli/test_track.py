@@ -234,6 +234,22 @@ def test_what_is_lost_is_told(walk: Walk) -> None:
     assert "warning: other: no samples of accelerometer and gyroscope" in result.stderr
 
 
+def test_positions_of_phones_count_in_the_map_of_the_plan(walk: Walk, tmp_path: Path) -> None:
+    """The place is 55 m north of the plan's south-western corner, the origin of the map."""
+    pytest.importorskip("shapely")
+    lines = messages(walk)
+    first = json.loads(lines[0])
+    place = {"latitude": 48.0005, "longitude": 11.0, "horizontalAccuracy": 1.0}
+    first["payload"].append({"name": "location", "time": first["payload"][-1]["time"], "values": place})
+    lines[0] = json.dumps(first)
+    ring = [[11.0, 48.0], [11.002, 48.0], [11.002, 48.002], [11.0, 48.002], [11.0, 48.0]]
+    plan = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+    (tmp_path / "plan.geojson").write_text(json.dumps(plan))
+    options = ("--platform", "android", "--fixes", "recording", "--plan", str(tmp_path / "plan.geojson"))
+    rows = documents(live("\n".join(lines), *options).stdout)
+    assert rows[2]["y_m"] == pytest.approx(55.6, abs=5.0)
+
+
 def test_options_that_do_not_go_together(good: Path) -> None:
     assert "needs the whole walk: use --estimator ekf or fixed-lag" in refused(
         "track", good, "--estimator", "factor-graph"

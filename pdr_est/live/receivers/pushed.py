@@ -27,7 +27,7 @@ class PushedMessages:
 
     def __init__(self, session: LiveSession, platform: Platform | None = None, with_fixes: bool = False) -> None:
         self._session, self._with_fixes = session, with_fixes
-        self._reader = LiveReader(platform)
+        self._reader = LiveReader(platform, None if session.plan is None else session.plan.origin)
         self._phones: dict[str, PhoneMonitor] = {}
         self._clocks: dict[str, ArrivalClock] = {}
         self._lock = threading.Lock()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from pdr_est.errors import RecordingError
+from pdr_est.frames import GeoOrigin
 from pdr_est.io.formats.phone_apps.sensor_logger.live import LiveReader, LiveUpdate, Platform
 from pdr_est.types.sensors import Channel
 
@@ -98,6 +99,12 @@ def test_phones_share_clock_and_map() -> None:
     assert [fix.time_s for fix in news.fixes] == pytest.approx([0.5, 1.5, 2.5])
     assert [fix.position_m[1] for fix in news.fixes] == pytest.approx([0.0, 111.2, 222.4], abs=0.2)
     assert joined(news, Channel.ROTATION_RATE, "b")[0][0] == pytest.approx(1.0)
+
+
+def test_the_origin_of_the_map_may_be_given() -> None:
+    place = reading("location", 0.5, latitude=50.001, longitude=10.0, horizontalAccuracy=4.0)
+    news = LiveReader("android", GeoOrigin(50.0, 10.0)).push(message(0, second(0, extra=(place,)), "a"))
+    assert [fix.position_m.tolist() for fix in news.fixes] == [pytest.approx([0.0, 111.2], abs=0.2)]
 
 
 @pytest.mark.parametrize(

@@ -58,11 +58,13 @@ class LiveReader:
     ----------
     platform
         Platform of the phones; None to find the sign of the acceleration from the data.
+    origin
+        Origin of the map frame, such as that of a floor plan; None for the first valid position of a phone.
     """
 
-    def __init__(self, platform: Platform | None = None) -> None:
+    def __init__(self, platform: Platform | None = None, origin: GeoOrigin | None = None) -> None:
         self._platform = platform
-        self._common = _Common()
+        self._common = _Common(origin)
         self._phones: dict[str, _Phone] = {}
 
     @property
@@ -105,11 +107,11 @@ class LiveReader:
 
 
 class _Common:
-    """Time zero of all phones, and their map frame: east and north of the first valid fix."""
+    """Time zero of all phones, and their map frame: east and north of an origin, by default the first valid fix."""
 
-    def __init__(self) -> None:
+    def __init__(self, origin: GeoOrigin | None) -> None:
         self._zero_ns: int | None = None
-        self._origin: GeoOrigin | None = None
+        self._origin = origin
 
     @property
     def epoch_s(self) -> float | None:
