@@ -103,13 +103,15 @@ def _fault(reason: str) -> str:
 
 def _by_nesting(shapely: Any, undecided: Sequence[Any], floor: Sequence[Any]) -> tuple[list[Any], list[Any]]:
     """Divide polygons into the outermost ones, and those that lie for the most part inside of larger ones."""
-    outer: list[Any] = []
-    inner: list[Any] = []
-    for one in sorted(undecided, key=lambda polygon: -polygon.area):
-        around = shapely.union_all([*floor, *outer])
-        nested = shapely.intersection(one, around).area > _INSIDE * one.area
-        (inner if nested else outer).append(one)
-    return outer, inner
+    pieces = [*floor, *sorted(undecided, key=lambda polygon: -polygon.area)]
+    near = shapely.STRtree(pieces)  # a plan may have thousands of rooms
+    outermost = [True] * len(floor) + [False] * len(undecided)
+    for number, one in enumerate(pieces[len(floor) :], start=len(floor)):
+        around = [pieces[k] for k in near.query(one).tolist() if outermost[k]]
+        inside = shapely.intersection(one, around[0] if len(around) == 1 else shapely.union_all(around))
+        outermost[number] = inside.area <= _INSIDE * one.area
+    found = list(zip(pieces, outermost, strict=True))[len(floor) :]
+    return [one for one, outer in found if outer], [one for one, outer in found if not outer]
 
 
 def _without_slits(shapely: Any, free: Any) -> Any:

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -269,3 +270,15 @@ def test_wrong_arguments_are_refused_in_words(tmp_path: Path) -> None:
         read_floor_plan(path, origin=(48.1, 11.5))  # type: ignore[arg-type]
     with pytest.raises(FloorPlanError, match="sigma_m = 'a': give a positive number"):
         read_floor_plan(path, sigma_m="a")  # type: ignore[arg-type]
+
+
+def test_thousands_of_rooms_are_read_at_once(tmp_path: Path) -> None:
+    """As it would not be if each room were compared with all others: that took a minute."""
+    rooms = [
+        polygon([[x, y], [x + 4, y], [x + 4, y + 4], [x, y + 4]]) for x in range(0, 200, 5) for y in range(0, 200, 5)
+    ]
+    path = written(tmp_path, *rooms, polygon([[1, 1], [2, 1], [2, 2], [1, 2]]))
+    begun_s = time.process_time()
+    plan = read_floor_plan(path)
+    assert time.process_time() - begun_s < 10.0
+    assert (len(plan.areas), sum(len(area.holes_m) for area in plan.areas)) == (1600, 1)
