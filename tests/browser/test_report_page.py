@@ -249,6 +249,7 @@ def test_the_floor_is_chosen_and_follows_the_cursor(tmp_path: Path, open_page: O
     floors = page.locator("input[name=floor]")
     expect(floors).to_have_count(3)
     expect(floors.nth(0)).to_be_checked()
+    expect(page.locator(".legend li", has_text="walkable floor").first).to_be_visible()
     plans = page.locator(".leaflet-plan-pane canvas")
     drawn = "canvases => canvases.map((canvas) => canvas.toDataURL()).join()"
     pictures = {plans.evaluate_all(drawn)}
@@ -263,3 +264,15 @@ def test_the_floor_is_chosen_and_follows_the_cursor(tmp_path: Path, open_page: O
     page.wait_for_timeout(300)
     pictures.add(plans.evaluate_all(drawn))
     assert len(pictures) == 3
+
+
+def test_the_page_of_a_plan_fits_a_phone(tmp_path: Path, open_page: OpenPage) -> None:
+    corners = [[0, 0], [90, 0], [90, 20], [0, 20], [0, 0]]
+    hall = f'{{"type": "Feature", "geometry": {{"type": "Polygon", "coordinates": [{corners}]}}}}'
+    (tmp_path / "hall.geojson").write_text(hall)
+    call = ["plan", str(tmp_path / "hall.geojson"), "-o", str(tmp_path / "out"), "-q"]
+    assert main(call, standalone_mode=False) in (None, 0)
+    page = open_page((tmp_path / "out" / "plan.html").as_uri(), width=390, java_script_enabled=False)
+    box = page.locator(".plot > svg").bounding_box()
+    assert box is not None
+    assert box["x"] + box["width"] <= 390

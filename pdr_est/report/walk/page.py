@@ -80,7 +80,7 @@ def render_report(
             image_hosts=extras.image_hosts,
             data=inline_json(data),
             files=result_files(summary.get("formats", {"written": ()})["written"]),
-            map_legend=_map_legend(panel.legend, extras.variants),
+            map_legend=_map_legend(panel.legend, extras.variants, bool(walk.floors) and frame == "map"),
             held_out=any(one.kind == HELD_OUT for one in residuals),
             with_fixes=bool(residuals),
             models=list(dict.fromkeys(device.model for device in recording.devices if device.model)),
@@ -90,9 +90,10 @@ def render_report(
     )
 
 
-def _map_legend(legend: Sequence[LegendEntry], variants: Mapping[str, Track]) -> list[LegendEntry]:
-    """Change the legend of the picture into that of the map, which has dots for fixes, and the variants."""
+def _map_legend(legend: Sequence[LegendEntry], variants: Mapping[str, Track], with_floors: bool) -> list[LegendEntry]:
+    """Change the legend of the picture into that of the map, which has dots for fixes, floors, and the variants."""
     entries = [replace(one, symbol="dot") if one.symbol == "fix" else one for one in legend]
+    entries += [LegendEntry("shade", "muted", "walkable floor")] if with_floors else []
     return entries + [LegendEntry("line", svg.css_name(svg.INK), name, (0.5, 1.5)) for name in variants]
 
 
