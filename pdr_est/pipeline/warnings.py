@@ -47,14 +47,19 @@ def mismatches(
         use = "makes no use of the position fixes" if known else "only aligns the track with the position fixes"
         found.append(f"{name} {use}: choose the estimator factor-graph or ekf for a track that follows them")
     if plan is not None:
-        floors = plan.plans if isinstance(plan, BuildingPlan) else ()
-        found += [f"plan {one.name}: {note}" for one in (plan, *floors) for note in one.notes]
+        found += notes_of_plan(plan)
         if not spec.uses_plan:
             takes = "only the directions of the walls from" if spec.smooths else "nothing from"
             found.append(f"{name} takes {takes} the floor plan: with `particle` the track stays on the floor")
     if config.heading.method in IN_POCKETS:
         found += [words for walk in walks for words in _outside_pockets(walk, config.heading.method)]
     return tuple(found)
+
+
+def notes_of_plan(plan: FloorPlan | BuildingPlan) -> list[str]:
+    """List what the reader of a plan remarked, of the building and of each floor."""
+    floors = plan.plans if isinstance(plan, BuildingPlan) else ()
+    return [f"plan {one.name}: {note}" for one in (plan, *floors) for note in one.notes]
 
 
 def doubts(findings: Sequence[Finding]) -> tuple[str, ...]:

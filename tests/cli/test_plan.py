@@ -145,6 +145,16 @@ def test_a_recording_is_tracked_on_its_plan(good: Path, tmp_path: Path) -> None:
     assert "give --plan FILE, too" in refused("track", good, "--floor", "1")
 
 
+def test_what_is_assumed_of_plans_is_told_online_too(good: Path, tmp_path: Path) -> None:
+    west, east = floors_of(tmp_path, "west", "east")
+    result = run(
+        *("track", good, "--start", 0, 0, "--heading", 0, "-o", tmp_path / "track.jsonl"),
+        *("--plan", west, "--plan", east, "--floor", "west"),
+    )
+    assert "the floors west, east count as given from the lowest to the highest" in result.stderr
+    assert "no air pressure was recorded, so that the whole walk counts as one on floor west" in result.stderr
+
+
 def test_plans_that_do_not_fit_are_refused_in_one_line(good: Path, tmp_path: Path) -> None:
     path = plan_file(tmp_path)
     line = smooth_refused(good, tmp_path / "a", "--plan", path, "--start", 40, 0)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pdr_est.cli.fix_options import RECORDED, PlanChoice, load_fixes
+from pdr_est.cli.fix_options import RECORDED, PlanChoice, load_fixes, tell_notes_of_plan
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.config import Config
@@ -94,6 +94,7 @@ def _recorded(
 ) -> _Walk:
     """Make a walk of phones that record now."""
     session = LiveSession(config, recording, plan=plan)
+    tell_notes_of_plan(plan)
 
     def fixes() -> str | None:
         return str(recording.fixes) if recording.fixes else None
@@ -113,6 +114,7 @@ def _replayed(
     limits = replace(LiveLimits(), samples_per_s=_REPLAY_SAMPLES_PER_S, phones=max(len(recorded.devices), 1))
     plan = chosen.load(recorded.origin)
     session = LiveSession(config, None, limits, expected_devices(recorded, config), plan=plan)
+    tell_notes_of_plan(plan, recorded.devices)
     feed = partial(replay_into, session, recorded, known, speed)
     return _Walk(session, feed, lambda: recordings, lambda: fixes, chosen)
 

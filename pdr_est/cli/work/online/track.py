@@ -10,7 +10,7 @@ import click
 
 from pdr_est.cli.call_paths import input_paths
 from pdr_est.cli.error_context import prefix_errors
-from pdr_est.cli.fix_options import RECORDED, PlanChoice, load_fixes, placed_by_plan
+from pdr_est.cli.fix_options import RECORDED, PlanChoice, load_fixes, placed_by_plan, tell_notes_of_plan
 from pdr_est.cli.recording_part import RecordingPart
 from pdr_est.cli.settings import resolve_config
 from pdr_est.cli.tracking_streams import follow_live, replay
@@ -69,7 +69,9 @@ def track_walk(
             )
         with _output_stream(output, overwrite) as stream:
             lines = bounded_lines(sys.stdin, LONGEST_LINE)
-            follow_live(lines, config, platform, fixes is not None, stream, chosen.load(None))
+            plan = chosen.load(None)
+            tell_notes_of_plan(plan)
+            follow_live(lines, config, platform, fixes is not None, stream, plan)
         return
     if platform is not None:
         raise click.UsageError(
@@ -121,6 +123,7 @@ def _track_recordings(
     known = known if part.is_all else fixes_within(known, recorded)
     with prefix_errors(", ".join(map(str, recordings))):
         replay(recorded, known, config, realtime, stream, plan)
+    tell_notes_of_plan(plan, recorded.devices)
     for device in recorded.devices:
         for words in dict.fromkeys((*device.warnings, *quality_warnings(device))):
             click.echo(f"warning: {device.name}: {words}", err=True)
