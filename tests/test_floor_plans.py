@@ -182,3 +182,12 @@ def test_steps_are_not_estimated_on_a_plan_of_no_use(plan: Any, words: str) -> N
     step = pdr_est.StepOdometry("phone", 0.5, 0.0, 0.7, 0.0, 0.01 * np.eye(3))
     with pytest.raises(FloorPlanError, match=words):
         pdr_est.estimate([step], plan=plan)
+
+
+@pytest.mark.parametrize(("size_m", "told"), [(30.0, False), (1.0, True)])
+def test_a_track_off_its_plan_is_told(size_m: float, told: bool) -> None:
+    """The plan of a single room does not hold a walk of 150 m."""
+    corners = size_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    plan = FloorPlan("room", (WalkableArea(corners),), np.empty((0, 2, 2)), 0.2)
+    walk = pipeline.smooth_recording(office().recording, START.with_estimator("particle"), plan=plan)
+    assert any("does not fit this walk" in one for one in walk.warnings) == told

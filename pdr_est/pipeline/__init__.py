@@ -57,7 +57,7 @@ def smooth_recording(
         devices=devices,
         fixes=tuple(fixes),
         timings_s={"front_end": analysed - started, "estimator": estimated - analysed},
-        warnings=(*warnings_of(recording, devices), *doubtful, *plans.notes, *doubts(track.findings)),
+        warnings=(*warnings_of(recording, devices), *doubtful, *plans.notes, *doubts(track, plans, estimator.spec)),
         fixes_used=estimator.spec.uses_fixes,
         plan=plans.main_plan([step.time_s for step in devices[0].steps]),
         floors=plans.floors if isinstance(plan, BuildingPlan) else (),

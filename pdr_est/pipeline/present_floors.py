@@ -8,6 +8,7 @@ from math import inf
 import numpy as np
 
 from pdr_est.errors import FloorPlanError
+from pdr_est.frames import Array
 from pdr_est.types.analysis import DeviceWalk
 from pdr_est.types.floor_plan import BuildingPlan, FloorPlan, PresentFloor
 from pdr_est.types.height import HeightProfile, WalkerHeight
@@ -15,6 +16,8 @@ from pdr_est.types.height import HeightProfile, WalkerHeight
 AROUND_MOVE_S = 3
 """Time before and after a move for which no plan counts, s (ours): when it begins is known to a few seconds, and the
 plan of a floor need not show its stairs as walkable. Landings of stairs are shorter than twice this time."""
+
+_CLEARLY_M = 1.0  # the mean of a place round a corner lies off the floor
 
 
 class FloorSequence:
@@ -92,6 +95,20 @@ class PlansOfWalk:
                 of_plan[id(one.plan)] = of_plan.get(id(one.plan), 0) + count
         plans = {id(one.plan): one.plan for one in self.floors}
         return plans[max(of_plan, key=lambda key: of_plan[key])] if of_plan else None
+
+    def share_outside(self, time_s: Array, position_m: Array) -> float:
+        """Return the share of poses at times (n,), s, whose positions (n, 2), m, are clearly off the plan there.
+
+        Poses between floors, and on floors without a plan, do not count; 0 without any other.
+        """
+        at = np.searchsorted([one.time_s for one in self.floors], time_s, side="right") - 1
+        outside = []
+        for number, one in enumerate(self.floors):
+            if one.plan is not None:
+                off_m = one.plan.distance_outside_m(position_m[at == number])
+                outside.append(off_m > _CLEARLY_M + 3.0 * one.plan.sigma_m)
+        found = np.concatenate(outside) if outside else np.zeros(0, dtype=bool)
+        return float(found.mean()) if len(found) else 0.0
 
 
 def plans_of_walk(plan: FloorPlan | BuildingPlan | None, walks: Sequence[DeviceWalk]) -> PlansOfWalk:

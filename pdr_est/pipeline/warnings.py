@@ -6,16 +6,19 @@ from collections.abc import Iterator, Sequence
 from pdr_est.config import Config
 from pdr_est.estimators import EstimatorSpec
 from pdr_est.front_end.heading import IN_POCKETS
+from pdr_est.pipeline.present_floors import PlansOfWalk
 from pdr_est.preprocessing.quality.warnings import quality_warnings
 from pdr_est.types.analysis import DeviceWalk
-from pdr_est.types.findings import Finding
+from pdr_est.types.findings import FindingKind
 from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
 from pdr_est.types.recording import Recording
 from pdr_est.types.sensors import Gap
 from pdr_est.types.steps import CarryingMode
+from pdr_est.types.track import Track
 
 _ELSEWHERE = (CarryingMode.HOLDING, CarryingMode.SWING)
+_MOST_OFF_PLAN = 0.25  # of the poses; on the plans of a competition no walk has more than a few percent (ours)
 _MOST_OUTSIDE = 0.25  # of the steps; the recogniser is seldom wrong for so many
 
 
@@ -62,9 +65,16 @@ def notes_of_plan(plan: FloorPlan | BuildingPlan) -> list[str]:
     return [f"plan {one.name}: {note}" for one in (plan, *floors) for note in one.notes]
 
 
-def doubts(findings: Sequence[Finding]) -> tuple[str, ...]:
-    """Put the doubtful findings into words."""
-    return tuple(finding.words for finding in findings if finding.doubtful)
+def doubts(track: Track, plans: PlansOfWalk, spec: EstimatorSpec) -> tuple[str, ...]:
+    """Put the doubtful findings into words, and a plan that the track is not on. spec: of the estimator."""
+    doubtful = [finding for finding in track.findings if finding.doubtful]
+    told = any(finding.kind is FindingKind.PLAN for finding in doubtful)
+    share = plans.share_outside(track.time_s, track.position_m) if spec.uses_plan and not told else 0.0
+    words = (
+        f"{share:.0%} of the poses lie off the floor plan, so that it does not fit this walk: check the floor, the "
+        "scale and the frame of the plan, and the start"
+    )
+    return (*([words] if share > _MOST_OFF_PLAN else []), *(finding.words for finding in doubtful))
 
 
 def _outside_pockets(walk: DeviceWalk, method: str) -> Iterator[str]:
