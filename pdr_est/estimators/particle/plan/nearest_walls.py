@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, segments_of
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan
 
@@ -93,7 +93,7 @@ def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
     """Make the raster of a plan; None for a plan without walls that are long enough."""
     cell_m = _COARSER * grid.cell_m
     shape = tuple(int(np.ceil(n / _COARSER)) for n in grid.walkable.shape)
-    segments = segments_of(plan)
+    segments = plan.barriers_m
     way_m = segments[:, 1] - segments[:, 0]
     length_m = np.hypot(way_m[:, 0], way_m[:, 1])
     segments, way_m, length_m = (one[length_m > _SHORTEST_M] for one in (segments, way_m, length_m))

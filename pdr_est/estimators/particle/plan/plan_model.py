@@ -10,7 +10,7 @@ from pdr_est.estimators.particle.cloud import LOG_SCALE, NORTH
 from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.nearest_walls import NearestWalls, nearest_walls
-from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window, grid_of, segments_of, walkable_area_m2
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window, grid_of
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan
 
@@ -60,7 +60,7 @@ class PlanModel:
     def of(cls, plan: FloorPlan, parameters: ParticleParams, window_m: Window | None = None) -> "PlanModel":
         """Make the model of a plan, or of the part of it inside a window that the walk cannot leave."""
         grid = grid_of(plan, parameters.cell_m, window_m)
-        walls, area_m2 = segments_of(plan), walkable_area_m2(plan)
+        walls, area_m2 = plan.barriers_m, plan.area_m2
         corners_m = walls.reshape(-1, 2)
         length_m = float(np.hypot(*(walls[:, 1] - walls[:, 0]).T).sum())
         return cls(
