@@ -17,7 +17,8 @@ from pdr_est.types.floor_plan import FloorPlan
 _DRAWS = (3, 8)
 """Numbers of further draws, at once, of a step that leads through a wall; ours. A walker avoids a wall where the
 errors of the step leave room for it. With few draws, a posterior prefers whatever meets few walls by chance: short
-steps, above all. With these rather than two, the surveyed points are likelier on each of ILC20's three floors."""
+steps, above all. They were chosen by the tracks of ILC20 with all three floors in view, none left out: with these
+rather than two draws, the surveyed points are likelier on each of them."""
 
 _PER_M2 = 100.0  # particles of a walk that may begin anywhere: of two equal buildings, each keeps half; ours
 
