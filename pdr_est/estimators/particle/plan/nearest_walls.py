@@ -6,9 +6,9 @@ farther away; by chance it would be 11 %. Between 0.6 and 1 m from a wall there 
 spread over the walkable ground would have, beyond 6 m less than half as much.
 
 The numbers below come from these three floors together. Only the share of ways along the wall was checked with one
-floor left out: fitted to the other two, it explains the ways on that floor better than a constant share does, for each
-of the three. The others were chosen with all floors in view, so that scores on these floors are too good by what that
-choice gained.
+floor left out: fitted to the other two, it explains the ways on that floor better than a constant share does, for
+each of the three. The others were chosen with all floors in view, so that scores on these floors are too good by what
+that choice gained.
 
 The heading of a walker is therefore that of the nearest wall, in either sense and up to a Gaussian error, with a
 probability that falls with the distance; otherwise it may be any.
