@@ -32,7 +32,7 @@ from pdr_est import Config
 from pdr_est.estimators import estimate_walk
 from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.plan.nearest_walls import ALONG, NearestWalls, nearest_walls
+from pdr_est.estimators.particle.plan.nearest_walls import DIRECTION_WAY_M, SIGMA_ALONG_RAD, nearest_walls
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, grid_of
 from pdr_est.evaluate.held_out_fixes import WAYPOINT_SIGMA_M
 from pdr_est.frames import Array, wrap_angle
@@ -40,7 +40,7 @@ from pdr_est.types.floor_plan import FloorPlan
 from pdr_est.types.measurements import DeviceMeasurements, StartPose
 from pdr_est.types.track import Track
 
-MARGIN_M, CELL_M, SIGMA_ALONG_RAD, LEG_M = 0.5, 0.2, 0.12, 8.0
+MARGIN_M, CELL_M = 0.5, 0.2
 ROUNDS, LONGEST_M, ENOUGH_M = 30, 2.0, 1e-3
 Rows = tuple[Array, NDArray[np.integer], Array]  # residuals (m,), columns (m, k) and derivatives (m, k)
 CHI2_95 = 5.991
@@ -56,7 +56,7 @@ class Walls:
         free = self.grid.walkable > 0.5
         inside, outside = (ndimage.distance_transform_edt(side) for side in (free, ~free))
         self.distance_m = CELL_M * np.where(free, inside - 0.5, 0.5 - outside)
-        self.directions: NearestWalls | None = nearest_walls(plan, self.grid)
+        self.nearest = nearest_walls(plan, self.grid)
         self.sigma_m = plan.sigma_m
 
     def at(self, place_m: Array) -> tuple[Array, Array]:
@@ -70,14 +70,15 @@ class Walls:
         east, north = look((0.5, 0.0)) - look((-0.5, 0.0)), look((0.0, 0.5)) - look((0.0, -0.5))
         return look((0.0, 0.0)), np.array([east, north]) / CELL_M
 
-    def direction_rad(self, place_m: Array) -> Array:
-        """Return the direction (n,) of the wall nearest to each of places (2, n), rad; NaN far from all walls."""
-        found = self.directions
+    def along(self, place_m: Array) -> tuple[Array, Array]:
+        """Return directions (n,) of the walls nearest to places (2, n), rad, and how probable a way along them is."""
+        found = self.nearest
         if found is None:
-            return np.full(place_m.shape[1], np.nan)
+            return np.zeros(place_m.shape[1]), np.zeros(place_m.shape[1])
         column, row = ((place_m - found.origin_m[:, None]) / found.cell_m).astype(np.int64)
         rows, columns = found.direction_rad.shape
-        return np.asarray(found.direction_rad[row.clip(0, rows - 1), column.clip(0, columns - 1)])
+        cell = row.clip(0, rows - 1), column.clip(0, columns - 1)
+        return found.direction_rad[cell], found.along[cell]
 
 
 class PlanGraph:
@@ -172,12 +173,12 @@ class PlanGraph:
 
     def _directions(self) -> Rows:
         poses = self.state[:-2].reshape(-1, 3)
-        off = poses[1:, 2] - self.walls.direction_rad(poses[1:, :2].T)
-        off = np.nan_to_num(off - np.pi * np.rint(off / np.pi), nan=np.inf) / SIGMA_ALONG_RAD
-        density = ALONG * np.sqrt(0.5 * np.pi) / SIGMA_ALONG_RAD * np.exp(-0.5 * off**2)
-        weight = np.sqrt(density / (density + 1.0 - ALONG) * self.length_m / LEG_M)
-        residual = weight * np.where(np.isfinite(off), off, 0.0)
-        return residual, 3 * np.arange(1, self.count)[:, None] + 2, weight[:, None] / SIGMA_ALONG_RAD
+        direction_rad, along = self.walls.along(poses[1:, :2].T)
+        off = poses[1:, 2] - direction_rad
+        off = (off - np.pi * np.rint(off / np.pi)) / SIGMA_ALONG_RAD
+        density = along * np.sqrt(0.5 * np.pi) / SIGMA_ALONG_RAD * np.exp(-0.5 * off**2)
+        weight = np.sqrt(density / (density + 1.0 - along) * self.length_m / DIRECTION_WAY_M)
+        return weight * off, 3 * np.arange(1, self.count)[:, None] + 2, weight[:, None] / SIGMA_ALONG_RAD
 
     def _start(self) -> Iterable[Rows]:
         fix = next(fix for node in self.nodes for fix in node.fixes)

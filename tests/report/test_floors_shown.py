@@ -1,6 +1,7 @@
 """The report of a walk over several floors: a picture, a plan and the times of each."""
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -28,6 +29,15 @@ def test_floors_stand_in_order_with_the_times_of_each_visit() -> None:
     (_, up_s), ((arrival_s, _), _) = ground.shown_s[0], first.on_plan_s
     assert up_s == arrival_s  # the stairs are shown with both floors
     assert first.shown_s[0][0] == ground.on_plan_s[0][1]
+
+
+def test_a_visit_during_which_the_floor_becomes_less_probable_is_one_visit() -> None:
+    ground, *others = walk().floors
+    doubtful = replace(ground, time_s=0.5 * others[0].time_s, probability=0.8)
+    split = replace(walk(), floors=(ground, doubtful, *others))
+    assert visited_floors(split)[0].shown_s == visited_floors(walk())[0].shown_s
+    panels, before = (floor_panels(one, over_three_storeys().recording, in_map_frame=True) for one in (split, walk()))
+    assert panels[0].svg == before[0].svg
 
 
 def test_the_line_of_a_floor_breaks_between_two_visits() -> None:

@@ -234,7 +234,7 @@ def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMoti
     logs = []
     for motion in motions:
         factors = np.concatenate([_quadratic_terms(motion, rows, centre), *own_factors])
-        logs.append(motion.log_probability - 0.5 * (terms.T @ factors))
+        logs.append(motion.log_factor - 0.5 * (terms.T @ factors))
     return np.asarray(logs[0] if len(logs) == 1 else np.logaddexp.reduce(logs))
 
 

@@ -27,14 +27,15 @@ class BlockMotion:
         (k, 3, 3) change of each pose for a change of the last one.
     information
         (3, 3) inverse covariance of the last pose.
-    log_probability
-        Logarithm of the probability of its turns.
+    log_factor
+        Logarithm of the probability of its turns, and of the root of the determinant of `information`: what stands
+        before the exponential function in the density of the last pose, but for powers of 2 pi.
     """
 
     poses: Array
     gains: Array
     information: Array
-    log_probability: float = 0.0
+    log_factor: float = 0.0
 
 
 def block_motions(nodes: Sequence[Node]) -> list[BlockMotion]:
@@ -76,7 +77,8 @@ def _motion(nodes: Sequence[Node], turn_rad: float, covariance: Array, log_proba
         gains.append(own @ later.T @ information)
         later = later @ step
     gains[0] = np.eye(3)  # the last pose is where it is
-    return BlockMotion(np.array(poses), np.array(gains[::-1]), information, log_probability)
+    log_factor = log_probability + 0.5 * float(np.linalg.slogdet(information)[1])
+    return BlockMotion(np.array(poses), np.array(gains[::-1]), information, log_factor)
 
 
 def poses_between(motion: BlockMotion, begin: Array, end: Array, log_scale: Array) -> Array:

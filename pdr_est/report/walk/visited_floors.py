@@ -72,11 +72,17 @@ def visited_floors(walk: SmoothedWalk) -> tuple[VisitedFloor, ...]:
             continue
         wide = _begin_of_way(floors, place), _end_of_way(floors, ends_s, place)
         before = found.get(id(one.plan), VisitedFloor(one.plan, (), ()))
-        found[id(one.plan)] = VisitedFloor(
-            one.plan, (*before.on_plan_s, (one.time_s, end_s)), (*before.shown_s, wide)
-        )
+        on_plan_s, shown_s = _extended(before.on_plan_s, (one.time_s, end_s)), _extended(before.shown_s, wide)
+        found[id(one.plan)] = VisitedFloor(one.plan, on_plan_s, shown_s)
     profile = walk.track.height
     return tuple(sorted(found.values(), key=lambda floor: _height_m(floor, profile)))
+
+
+def _extended(spans_s: Spans, span_s: tuple[float, float]) -> Spans:
+    """Return spans with a later one, joined to the last of them where there is no time between the two."""
+    if spans_s and span_s[0] <= spans_s[-1][1]:
+        return (*spans_s[:-1], (spans_s[-1][0], span_s[1]))
+    return (*spans_s, span_s)
 
 
 def _begin_of_way(floors: tuple[PresentFloor, ...], place: int) -> float:

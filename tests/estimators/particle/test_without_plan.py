@@ -112,6 +112,22 @@ def test_of_two_turns_a_later_fix_chooses_one() -> None:
     assert track.position_m[20] == pytest.approx([14.0, 0.0], abs=1.0)
 
 
+def test_of_a_narrow_and_a_wide_turn_the_smoother_weighs_the_densities() -> None:
+    """The heading after the turn is 0, and the heading before it follows from the two densities of the turn."""
+    before_rad, narrow_rad, wide_rad = 0.3, 0.05, 0.6
+    turns = (TurnHypothesis(0.5, 0.0, narrow_rad, "straight"), TurnHypothesis(0.5, 0.0, wide_rad, "any"))
+    steps = [step(k) for k in range(1, 5)]
+    covariance = steps[1].covariance.copy()
+    covariance[2, 2] = 0.5 * (narrow_rad**2 + wide_rad**2)
+    steps[1] = _with_turns(steps[1], 0.0, covariance, turns)
+    start = StartPose((0.0, 0.0), 0.0, sigma_position_m=0.1, sigma_heading_rad=before_rad)
+    track = particles([*steps, heading_prior(2, 0.0, 0.01)], start)
+    variances = np.array([narrow_rad, wide_rad]) ** 2
+    shares = 1.0 / np.sqrt(before_rad**2 + variances)
+    expected = (shares / shares.sum()) @ (before_rad**2 * variances / (before_rad**2 + variances))
+    assert track.sigma_heading_rad[1] == pytest.approx(np.sqrt(expected), rel=0.15)
+
+
 def _with_turns(one: object, mean_rad: float, covariance: Array, turns: tuple[TurnHypothesis, ...]) -> object:
     return replace(one, heading_change_rad=mean_rad, covariance=covariance, turn_hypotheses=turns)  # type: ignore[type-var]
 

@@ -3,9 +3,12 @@
 People walk beside walls and along them. On 318 legs of more than 4 m between surveyed points on three floors of two
 malls (ILC20), seven tenths of the way within 1.5 m of a wall lead along it within ten degrees, but a third of that
 farther away; by chance it would be 11 %. Between 0.6 and 1 m from a wall there is 1.7 times as much way as an even
-spread over the walkable ground would have, beyond 6 m less than half as much. The share of ways along the wall was
-fitted; with one floor left out, the fit explains the ways on that floor better than a constant share does, for each
-of the three.
+spread over the walkable ground would have, beyond 6 m less than half as much.
+
+The numbers below come from these three floors together. Only the share of ways along the wall was checked with one
+floor left out: fitted to the other two, it explains the ways on that floor better than a constant share does, for
+each of the three. The others were chosen with all floors in view, so that scores on these floors are too good by what
+that choice gained.
 
 The heading of a walker is therefore that of the nearest wall, in either sense and up to a Gaussian error, with a
 probability that falls with the distance; otherwise it may be any.
@@ -16,23 +19,26 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, segments_of
+from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.frames import Array
 from pdr_est.types.floor_plan import FloorPlan
 
 _ALONG_NEAR, _ALONG_FAR = 0.93, 0.33  # share of ways along a wall beside it, and far away; fitted to those legs
 _NEAR_M = 1.3  # distance at which the share is the mean of both
 _STEEPNESS = 4  # power of the distance with which it falls
-_SIGMA_RAD = 0.14  # of the angle between a way and the wall that it leads along
-_DIRECTION_M = 24.0
+SIGMA_ALONG_RAD = 0.14
+"""Standard deviation of the angle between a way and the wall that it leads along, rad; fitted to those legs."""
+
+DIRECTION_WAY_M = 24.0
 """Way after which a direction counts anew, m: three legs. Legs are not independent: they follow one another along
-the same building. Of 8, 16, 24 and 40 m, the shortest gives tracks the least coverage. On two of the three floors 24
-and 40 m make the surveyed points most probable; on the third it makes no difference."""
+the same building. It was chosen among 8, 16, 24 and 40 m by the tracks of all three floors: the shortest gives them
+the least coverage; on two floors 24 and 40 m make the surveyed points most probable, on the third it makes no
+difference."""
 
 _PLACE_M = 8.0  # way after which the distance from walls counts anew: the mean length of those legs
 _PLACE_DISTANCE_M = (0.15, 0.45, 0.8, 1.25, 1.75, 2.5, 3.5, 5.0, 7.0)
 _PLACE_RATIO = (0.6, 1.0, 1.7, 1.1, 0.95, 0.9, 1.0, 0.85, 0.45)
-"""Ways at distances from the nearest wall over those of an even spread, on the three floors together."""
+"""Ways at distances from the nearest wall over those of an even spread, counted on the three floors together."""
 
 _FAR_M = 8.0  # from the nearest wall, from which on it tells nothing
 _SHORTEST_M = 1.0  # wall that counts
@@ -83,17 +89,17 @@ class NearestWalls:
         off = rows[2] - self.direction_rad.ravel().take(row)
         off -= np.pi * np.rint(off / np.pi)
         along = self.along.ravel().take(row)
-        peak = np.sqrt(0.5 * np.pi) / _SIGMA_RAD  # over the uniform density on half the circle
-        ratio = 1.0 + along * (peak * np.exp(-0.5 * (off / _SIGMA_RAD) ** 2) - 1.0)
+        peak = np.sqrt(0.5 * np.pi) / SIGMA_ALONG_RAD  # over the uniform density on half the circle
+        ratio = 1.0 + along * (peak * np.exp(-0.5 * (off / SIGMA_ALONG_RAD) ** 2) - 1.0)
         place = self.log_place.ravel().take(row)
-        return np.asarray(np.log(ratio) * (length_m / _DIRECTION_M) + place * (length_m / _PLACE_M))
+        return np.asarray(np.log(ratio) * (length_m / DIRECTION_WAY_M) + place * (length_m / _PLACE_M))
 
 
 def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
     """Make the raster of a plan; None for a plan without walls that are long enough."""
     cell_m = _COARSER * grid.cell_m
     shape = tuple(int(np.ceil(n / _COARSER)) for n in grid.walkable.shape)
-    segments = segments_of(plan)
+    segments = plan.barriers_m
     way_m = segments[:, 1] - segments[:, 0]
     length_m = np.hypot(way_m[:, 0], way_m[:, 1])
     segments, way_m, length_m = (one[length_m > _SHORTEST_M] for one in (segments, way_m, length_m))

@@ -79,7 +79,7 @@ def grid_of(plan: FloorPlan, cell_m: float, window_m: Window | None = None) -> P
 
     Raises EstimationError for a plan without area, and for one that is too large for cells of that size.
     """
-    outlines = _rings(plan)
+    outlines = [np.asarray(ring, dtype=np.float64) for ring in plan.rings_m() if len(ring) >= 3]
     if not outlines:
         raise EstimationError(f"floor plan {plan.name!r} has no walkable area: give it at least one outline")
     corners = np.concatenate(outlines)
@@ -103,28 +103,6 @@ def grid_of(plan: FloorPlan, cell_m: float, window_m: Window | None = None) -> P
     walkable[[0, -1]] = 0.0
     walkable[:, [0, -1]] = 0.0
     return PlanGrid(walkable, origin_m, cell_m)
-
-
-def segments_of(plan: FloorPlan) -> Array:
-    """Return all walls (n, 2, 2) of a plan, the borders of its areas among them: begin and end of each, m."""
-    borders = [np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in _rings(plan)]
-    return np.concatenate([*borders, np.asarray(plan.walls_m, dtype=np.float64).reshape(-1, 2, 2)])
-
-
-def walkable_area_m2(plan: FloorPlan) -> float:
-    """Return the area of the walkable ground of a plan, m²."""
-    return sum(_area_m2(area.outline_m) - sum(map(_area_m2, area.holes_m)) for area in plan.areas)
-
-
-def _area_m2(ring: Array) -> float:
-    east, north = np.asarray(ring, dtype=np.float64).reshape(-1, 2).T
-    return 0.5 * abs(float(east @ np.roll(north, -1) - north @ np.roll(east, -1)))
-
-
-def _rings(plan: FloorPlan) -> list[Array]:
-    """Return the outlines and holes (k, 2) of a plan that have an area."""
-    rings = [np.asarray(ring, dtype=np.float64) for area in plan.areas for ring in (area.outline_m, *area.holes_m)]
-    return [ring for ring in rings if len(ring) >= 3]
 
 
 def _filled(rings: list[Array], rows: int, columns: int) -> NDArray[np.bool_]:
