@@ -37,5 +37,5 @@ class ParticleParams:
     cell_m: Annotated[float, Gt(0.01), Le(5.0)] = 0.2
     """Size of the cells in which a plan is looked up, m: a third of a step and below the width of a door."""
 
-    unrelated_plan: Fraction = 0.02
+    unrelated_plan: Fraction = 0.01
     """Probability, before the walk, that the plan has nothing to do with it (ours)."""

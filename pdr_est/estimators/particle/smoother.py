@@ -25,6 +25,8 @@ from pdr_est.types.track import Track, concatenate
 _MOST_FILTERS = 3  # of a walk that may begin anywhere
 _TOLD = 0.25  # probability from which on a finding says that a plan has nothing to do with a walk; ours
 
+_SURE = 9.0  # logarithm of the odds of a plan that fits, as its ways tell, from which on it is not questioned; ours
+
 
 def estimate(
     timelines: Sequence[Timeline],
@@ -98,17 +100,18 @@ def probability_unrelated(filtered: ParticleWalk, walk: WalkInput) -> float:
     """Return the probability that the plans have nothing to do with a walk.
 
     A walk that has nothing to do with a plan begins anywhere in the rectangle about it, and meets a wall once in
-    the mean free path, but is no less probable than off the walkable area all the time. Its measurements are as
+    the mean free path, but is clearly more probable than off the walkable area all the time. Its measurements are as
     probable as without a plan.
     """
     prior = walk.parameters.unrelated_plan
     if prior in (0.0, 1.0):
         return prior
-    least = walk.parameters.least_particles
-    free = filter_by_particles(replace(walk, parameters=replace(walk.parameters, most_particles=least)), None)
     own = filtered.evidence
-    by_measurements = own.log_measurements - free.evidence.log_measurements
-    log_odds = np.log((1.0 - prior) / prior) + own.log_ways + by_measurements + own.walls
+    log_odds = float(np.log((1.0 - prior) / prior)) + own.log_ways + own.walls
+    if log_odds < _SURE:  # else measurements hardly change it
+        least = walk.parameters.least_particles
+        free = filter_by_particles(replace(walk, parameters=replace(walk.parameters, most_particles=least)), None)
+        log_odds += own.log_measurements - free.evidence.log_measurements
     return float(1.0 / (1.0 + np.exp(np.clip(log_odds, -700.0, 700.0))))
 
 

@@ -104,7 +104,7 @@ class WalkFilter:
         place_m += shift_m
         self.cloud = replace(self.cloud, state=state)
         self._weigh_by_plan(log, _TRUST_ANYWHERE if self._anywhere else 1.0)
-        free_m = max(self.plan.free_path_m, self.plan.stray_length_m)
+        free_m = max(self.plan.free_path_m, 2.0 * self.plan.stray_length_m)
         self.evidence.walls += node.length_m / free_m / self.cloud.devices
 
     def begin(self, device: int) -> None:
