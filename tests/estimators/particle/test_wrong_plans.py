@@ -82,6 +82,14 @@ def test_the_right_plan_helps_and_nothing_is_told() -> None:
     assert HOOK.contains(track.position_m).mean() > 0.99
 
 
+@pytest.mark.parametrize("size_m", [30.0, 60.0, 200.0])
+def test_a_hall_of_any_size_fits_a_walk_inside(size_m: float) -> None:
+    """In a hall, to be far from all walls is not evidence against the plan."""
+    track = smoothed(corridors((113.0 - size_m, 110.0 - size_m, 113.0 + size_m, 110.0 + size_m)))
+    assert track.findings == ()
+    assert track.on_plan
+
+
 @pytest.mark.parametrize(
     "change",
     [

@@ -38,7 +38,8 @@ difference."""
 _PLACE_M = 8.0  # way after which the distance from walls counts anew: the mean length of those legs
 _PLACE_DISTANCE_M = (0.15, 0.45, 0.8, 1.25, 1.75, 2.5, 3.5, 5.0, 7.0)
 _PLACE_RATIO = (0.6, 1.0, 1.7, 1.1, 0.95, 0.9, 1.0, 0.85, 0.45)
-"""Ways at distances from the nearest wall over those of an even spread, counted on the three floors together."""
+"""Ways at distances from the nearest wall over those of an even spread, counted on the three floors together. On each
+plan, their mean over the walkable ground is made 1."""
 
 _FAR_M = 8.0  # from the nearest wall, from which on it tells nothing
 _SHORTEST_M = 1.0  # wall that counts
@@ -119,5 +120,7 @@ def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
     distance_m, direction_rad = cells * cell_m, field[nearest[0], nearest[1]]
     along = _ALONG_FAR + (_ALONG_NEAR - _ALONG_FAR) / (1.0 + (distance_m / _NEAR_M) ** _STEEPNESS)
     along[distance_m > _FAR_M] = 0.0
-    log_place = np.interp(distance_m, _PLACE_DISTANCE_M, np.log(_PLACE_RATIO))
-    return NearestWalls(direction_rad, along, log_place, grid.origin_m, cell_m)
+    ratio = np.exp(np.interp(distance_m, _PLACE_DISTANCE_M, np.log(_PLACE_RATIO)))
+    walkable = grid.walkable[::_COARSER, ::_COARSER]
+    even = float(np.average(ratio, weights=walkable)) if walkable.any() else 1.0  # most of a hall is far from walls
+    return NearestWalls(direction_rad, along, np.log(ratio / even), grid.origin_m, cell_m)
