@@ -124,7 +124,8 @@ def test_maps_far_from_their_origin(name: EstimatorName) -> None:
 
 
 def test_an_unknown_estimator_is_named() -> None:
-    with pytest.raises(EstimationError, match=r"unknown estimator 'kalman': choose one of auto, dead-reckoning, map-"):
+    expected = r"unknown estimator 'kalman': choose one of auto, dead-reckoning, map-"
+    with pytest.raises(EstimationError, match=expected):
         estimate_track("kalman", "phone", 0.0, [], StartPose(), 0.1)  # type: ignore[arg-type]
 
 

@@ -19,7 +19,7 @@ from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
 from pdr_est.types.findings import Finding, FindingKind
 from pdr_est.types.floor_plan import PresentFloor
 from pdr_est.types.measurements import DeviceTether, StartPose
-from pdr_est.types.on_plan.places import PlaceSearch
+from pdr_est.types.on_plan.places import PlaceSearch, in_percent
 from pdr_est.types.track import Track, concatenate
 
 _MOST_FILTERS = 3  # of a walk that may begin anywhere
@@ -121,9 +121,9 @@ def unrelated_finding(floors: Sequence[PresentFloor], probability: float) -> Fin
     subject, verb = (f"the plan {names[0]}", "does") if len(names) == 1 else (f"the plans {', '.join(names)}", "do")
     return Finding(
         FindingKind.PLAN,
-        f"{subject} {verb if probability > 0.5 else 'may'} not fit this walk (probability {probability:.0%}); with "
-        "that probability the track is the one without a plan: check the floor, the scale and the frame of the plan, "
-        "and the start",
+        f"{subject} {verb if probability > 0.5 else 'may'} not fit this walk (probability "
+        f"{in_percent(probability)}); with that probability the track is the one without a plan: check the floor, the "
+        "scale and the frame of the plan, and the start",
         value=probability,
     )
 

@@ -31,7 +31,7 @@ class PlaceMode:
     def words(self) -> str:
         """The place in a few words."""
         place = f"({self.position_m[0]:.1f}, {self.position_m[1]:.1f}) ± {self.sigma_m:.1f} m"
-        return f"{place} with a probability of {_share(self.probability)}"
+        return f"{place} with a probability of {in_percent(self.probability)}"
 
 
 @dataclass(frozen=True)
@@ -104,6 +104,6 @@ class PlaceSearch:
         return f"the place on the plan is not decided: the walk ended at {best.words}{more}"
 
 
-def _share(probability: float) -> str:
+def in_percent(probability: float) -> str:
     """Write a probability, which is never certain, in percent."""
     return "more than 99 %" if probability > 0.99 else f"{probability:.0%}".replace("%", " %")

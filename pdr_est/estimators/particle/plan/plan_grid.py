@@ -92,7 +92,7 @@ def grid_of(plan: FloorPlan, cell_m: float, window_m: Window | None = None) -> P
     if rows * columns > _MOST_CELLS:
         raise EstimationError(
             f"floor plan {plan.name!r} is {high[0] - low[0]:.0f} m by {high[1] - low[1]:.0f} m: too large for cells "
-            f"of {cell_m} m; check its units, or set larger cells"
+            f"of {cell_m} m; check its units, or set estimator.particle.cell_m"
         )
     inside = _filled([(ring - origin_m) / cell_m for ring in outlines], rows, columns)
     walkable = inside.astype(np.float32)
