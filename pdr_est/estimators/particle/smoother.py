@@ -122,8 +122,8 @@ def unrelated_finding(floors: Sequence[PresentFloor], probability: float) -> Fin
     return Finding(
         FindingKind.PLAN,
         f"{subject} {verb if probability > 0.5 else 'may'} not fit this walk (probability "
-        f"{in_percent(probability)}); with that probability the track is the one without a plan: check the floor, the "
-        "scale and the frame of the plan, and the start",
+        f"{in_percent(probability)}); with that probability the track is the one without a plan: check the floor, "
+        "the scale and the frame of the plan, and the start",
         value=probability,
     )
 
