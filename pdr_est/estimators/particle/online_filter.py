@@ -149,10 +149,10 @@ class ParticleOnlineFilter:
             own = self._own  # of the devices so far, or with this one
             if own.cloud.devices < len(self._names):
                 own.add_device()
-        self._own.cloud  # noqa: B018  # the particles exist before the first motion
-        late = step.start_s > self._begun_s + LATE_START_S
+        device, late = self._names.index(step.device), step.start_s > self._begun_s + LATE_START_S
         if self._builders and late:
-            self._own.enter(self._names.index(step.device), self._names.index(next(iter(self._builders))))
+            self._own.enter(device, self._names.index(next(iter(self._builders))))
+        self._own.begin(device)
         self._builders[step.device] = NodeBuilder(step.start_s)
         return [replace(self._pose(step.device), time_s=step.start_s)]
 

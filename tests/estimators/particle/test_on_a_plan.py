@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import erf
 
 import numpy as np
 import pytest
@@ -179,6 +180,16 @@ def test_a_fix_outside_the_walls_moves_the_track_no_further_than_its_error() -> 
     track = particles([*steps(40), fix(40, 30.0, 3.0, 1.0), CORRIDOR])
     assert abs(track.position_m[-1, 1]) <= 1.1
     assert track.position_m[-1, 0] == pytest.approx(30.0, abs=1.0)
+
+
+def test_online_the_walls_count_at_the_start_too() -> None:
+    """Beside a wall, nearly half of what is known about the start lies behind it."""
+    own = ParticleOnlineFilter([DEVICE], StartPose((2.0, 0.9), 0.0, 0.5, 0.05), SIGMA_SCALE, ParticleParams())
+    own.push(CORRIDOR)
+    begin = own.push(step(1))[0]
+    below = (1.0 - 0.9) / 0.5  # of a normal distribution that ends at the wall, over its standard deviation
+    share, density = 0.5 + 0.5 * erf(below / np.sqrt(2.0)), np.exp(-0.5 * below**2) / np.sqrt(2.0 * np.pi)
+    assert begin.position_m[1] == pytest.approx(0.9 - 0.5 * density / share, abs=0.07)
 
 
 def test_beside_a_wall_people_walk_along_it_and_at_some_distance_from_it() -> None:
