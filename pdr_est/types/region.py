@@ -42,6 +42,10 @@ class RegionEllipses:
     centre_m: Array
     covariance_m2: Array
 
+    def of_poses(self, chosen: Sequence[int]) -> list[tuple[Array, Array]]:
+        """List centre (2,), m, and covariance (2, 2), m², of the ellipses of chosen poses."""
+        return [(self.centre_m[k], self.covariance_m2[k]) for k in np.flatnonzero(np.isin(self.pose, chosen))]
+
 
 @dataclass(frozen=True)
 class PoseRegion:

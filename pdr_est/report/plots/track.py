@@ -75,7 +75,12 @@ def plot_track(
         Floor plan to draw below, as far as it reaches into the picture, in the same frame as the track.
     """
     tracks = [track.of_device(name) for name in track.devices]
-    shown = [_shown_ellipses(one, ELLIPSES // len(tracks)) for one in tracks]
+    shown = [
+        ellipses_of_poses(one.position_m, one.covariance_m2, one.region).of_poses(
+            select_ellipses(one, ELLIPSES // len(tracks))
+        )
+        for one in tracks
+    ]
     window = _window(tracks, shown, fixes, truth_m)
     figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
     axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
@@ -119,13 +124,6 @@ def select_ellipses(track: Track, count: int) -> list[int]:
         if apart >= max(spacing, 0.5 * min(radius[chosen[-1]], radius[i], way[-1] / 8.0)):
             chosen.append(int(i))
     return chosen[::-1]
-
-
-def _shown_ellipses(track: Track, count: int) -> list[tuple[Array, Array]]:
-    """Return centre and covariance of the ellipses of the chosen poses, several for a pose at several places."""
-    found = ellipses_of_poses(track.position_m, track.covariance_m2, track.region)
-    chosen = np.flatnonzero(np.isin(found.pose, select_ellipses(track, count)))
-    return [(found.centre_m[k], found.covariance_m2[k]) for k in chosen]
 
 
 def _window(

@@ -131,9 +131,8 @@ def _svg_ellipses(track: "Track", centre: Array, scale: float, colour: str) -> I
 
 def _drawn_ellipses(track: "Track") -> list[tuple[Array, Array]]:
     """Return centre and covariance of the ellipses of the regions of the chosen poses."""
-    chosen = _poses_with_ellipse(track)
     found = ellipses_of_poses(track.position_m, track.covariance_m2, track.region)
-    return [(found.centre_m[k], found.covariance_m2[k]) for k in np.flatnonzero(np.isin(found.pose, chosen))]
+    return found.of_poses(_poses_with_ellipse(track))
 
 
 def _poses_with_ellipse(track: "Track") -> list[int]:
