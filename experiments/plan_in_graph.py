@@ -6,8 +6,9 @@ The walks of ILC20 on the plans of their floors, with the first true position an
 at the track of `particle`. Its unknowns are the poses, the logarithm of the length scale and the direction that
 relative headings count from. It has the steps, the headings (robust ones with Cauchy's kernel), the first position, a
 hinge for each pose that is closer to a wall than MARGIN_M on the side where it is, and the directions of the nearest
-walls as `particle` has them. Newton's method on a sparse matrix solves it; the covariances are those of its last
-linear system. `cold` is the same graph started at the track of `factor-graph` without the plan.
+walls as `particle` has them, but not its preference for some distances from them. Gauss-Newton steps on a sparse
+matrix solve it; the covariances are those of the last linear system. `cold` is the same graph started at the track of
+`factor-graph` without the plan.
 
 `more_m` is the mean difference from the error of `particle`, with its standard error.
 

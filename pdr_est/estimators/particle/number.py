@@ -18,10 +18,12 @@ _QUANTILE = 1.645  # of the normal distribution: the bound holds with a probabil
 
 
 def wanted_number(cloud: Cloud, weights: Array, parameters: ParticleParams, anywhere: bool = False) -> int:
-    """Return the number of particles to go on with.
+    """Return the number of particles to go on with, for their weights (n,).
 
-    A walk that may have begun `anywhere` on a plan gets more, for the probabilities of its places: of two equal
-    buildings, each keeps half of the probability up to a tenth.
+    It is that of KLD sampling within the bounds of the settings. What began with more particles, because its start
+    was open, loses at most half of those beyond the bound each time. A walk that may have begun `anywhere` on a plan
+    gets more, for the probabilities of its places: of two equal buildings, each keeps half of the probability up to
+    a tenth.
     """
     probable = weights > 0.01 / len(weights)
     cells = np.zeros(int(probable.sum()), dtype=np.int64)
