@@ -35,6 +35,7 @@ from pdr_est.estimators.common.timeline import Timeline, timelines_of
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.nearest_walls import DIRECTION_WAY_M, SIGMA_ALONG_RAD, nearest_walls
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, grid_of
+from pdr_est.evaluate.consistency import coverage95
 from pdr_est.evaluate.held_out_fixes import WAYPOINT_SIGMA_M
 from pdr_est.frames import Array, wrap_angle
 from pdr_est.types.floor_plan import FloorPlan
@@ -44,7 +45,6 @@ from pdr_est.types.track import Track
 MARGIN_M, CELL_M = 0.5, 0.2
 ROUNDS, LONGEST_M, ENOUGH_M = 30, 2.0, 1e-3
 Rows = tuple[Array, NDArray[np.integer], Array]  # residuals (m,), columns (m, k) and derivatives (m, k)
-CHI2_95 = 5.991
 T = TypeVar("T")
 SIGMA_SCALE = Config().odometry.sigma_length_scale
 
@@ -231,13 +231,13 @@ def mean_errors_m(scored: Scored) -> Array:
 
 def row(name: str, scored: Scored, reference: Scored) -> dict[str, float | str]:
     """Compute the numbers of an estimator over all walks, and its mean error beside that of a reference."""
-    errors_m, inside = mean_errors_m(scored), []
+    errors_m = mean_errors_m(scored)
+    off_m, covariance_m2 = [], []
     more_m = errors_m - mean_errors_m(reference)
     for walk, track, _ in scored:
         at, covariance = track.at(walk.time_s[1:])
-        off = at - walk.truth_m[1:]
-        spread = np.linalg.inv(covariance + WAYPOINT_SIGMA_M**2 * np.eye(2))
-        inside += (np.einsum("ni,nij,nj->n", off, spread, off) < CHI2_95).tolist()
+        off_m.append(at - walk.truth_m[1:])
+        covariance_m2.append(covariance)
     outside = [1.0 - walk.plan.contains(track.position_m).mean() for walk, track, _ in scored]
     return {
         "estimator": name,
@@ -247,7 +247,7 @@ def row(name: str, scored: Scored, reference: Scored) -> dict[str, float | str]:
         "p90_m": float(np.quantile(errors_m, 0.9)),
         "more_m": float(more_m.mean()),
         "+-_m": float(more_m.std() / np.sqrt(len(more_m))),
-        "coverage95": float(np.mean(inside)),
+        "coverage95": coverage95(np.concatenate(off_m), np.concatenate(covariance_m2), WAYPOINT_SIGMA_M),
         "outside": float(np.mean(outside)),
         "cpu_s_per_min": sum(cost for _, _, cost in scored) / sum(walk.minutes for walk, _, _ in scored),
     }

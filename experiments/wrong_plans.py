@@ -21,6 +21,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from pdr_est import Config, read, read_floor_plan
+from pdr_est.evaluate.consistency import coverage95
 from pdr_est.evaluate.held_out_fixes import WAYPOINT_SIGMA_M, fixes_at
 from pdr_est.experiment.analysed_walk import AnalysedWalk
 from pdr_est.experiment.recording_files import recordings
@@ -36,7 +37,7 @@ OTHER_FLOOR = {"site1/F1": "site1/F2", "site1/F2": "site1/F1"}
 OTHER_MALL = {"site1/F1": "site2/F1", "site1/F2": "site2/F1", "site2/F1": "site1/F1"}
 RIGHT, NONE = "right", "none"
 Scores = dict[str, tuple[float, float, float, float]]
-"""Of each walk the mean error, m, the share of waypoints in the 95 % region, the probability with which it is told
+"""Of each walk the mean error, m, the share of waypoints in the 95 % ellipse, the probability with which it is told
 that the plan does not fit (0 where it is not), and the length of the true way that is off the plan, m."""
 
 
@@ -137,10 +138,9 @@ def scored(walk: AnalysedWalk, plan: FloorPlan | None) -> tuple[float, float, fl
     track = walk.track(fixes) if plan is None else walk.track_on_plan(fixes)
     position_m, covariance_m2 = track.at(time_s[1:])
     error_m = position_m - true_m[1:]
-    spread = covariance_m2 + WAYPOINT_SIGMA_M**2 * np.eye(2)
-    squared = np.einsum("ni,nij,nj->n", error_m, np.linalg.inv(spread), error_m)
+    inside = coverage95(error_m, covariance_m2, WAYPOINT_SIGMA_M)
     told = max((one.value or 0.0 for one in track.findings if one.kind == FindingKind.PLAN), default=0.0)
-    return float(np.hypot(*error_m.T).mean()), float((squared < 5.991).mean()), told, way_off(plan, true_m)
+    return float(np.hypot(*error_m.T).mean()), inside, told, way_off(plan, true_m)
 
 
 def way_off(plan: FloorPlan | None, true_m: Array) -> float:
