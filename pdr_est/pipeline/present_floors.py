@@ -19,6 +19,9 @@ plan of a floor need not show its stairs as walkable. Landings of stairs are sho
 
 _CLEARLY_M = 1.0  # the mean of a place round a corner lies off the floor
 
+_BEFORE_S = 0.5  # by which a second begins before the time that its height is told for, its middle
+_DIGITS = 2  # of the probability of a floor: smaller changes change no walls
+
 
 class FloorSequence:
     """Turns the heights of consecutive seconds into the floors with their plans.
@@ -57,9 +60,9 @@ class FloorSequence:
         near = (other for other in self._seconds if abs(other.time_s - one.time_s) <= AROUND_MOVE_S)
         if self._building.start is not None and not any(other.moving for other in near):
             plan, probability = self._building.plan_of(self._building.start + one.floor), one.floor_probability
-        probability = 1.0 if plan is None else round(probability, 2)
+        probability = 1.0 if plan is None else round(probability, _DIGITS)
         if plan is not self._given.plan or probability != self._given.probability:
-            self._given = PresentFloor(one.time_s - 0.5, plan, probability)
+            self._given = PresentFloor(one.time_s - _BEFORE_S, plan, probability)
             yield self._given
 
 
