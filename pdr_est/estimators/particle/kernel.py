@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.particle.cloud import DEVICE_ROWS, HEADING, LOG_SCALE, NORTH, Cloud, systematic
-from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
+from pdr_est.estimators.particle.plan.displacement import shift_at
+from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array, wrap_angle
 
 _SCALE_KERNEL = 0.1  # standard deviation of the kernel over that of the particles, for the length scale alone
@@ -34,7 +35,7 @@ def roughened_scale(log_scale: Array, rng: np.random.Generator) -> Array:
     return np.asarray(moved)
 
 
-def moved_by_kernel(cloud: Cloud, rng: np.random.Generator, grid: PlanGrid | None) -> Cloud:
+def moved_by_kernel(cloud: Cloud, rng: np.random.Generator, plan: PlanModel | None) -> Cloud:
     """Return a cloud resampled and moved by a kernel; no particle is moved through a wall of the plan."""
     count = len(cloud)
     state = cloud.state[:, systematic(cloud.weights, count, float(rng.random()))]
@@ -43,8 +44,8 @@ def moved_by_kernel(cloud: Cloud, rng: np.random.Generator, grid: PlanGrid | Non
     after = before.copy()
     for own in _modes(before[HEADING]):
         after[:, own] = _moved(before[:, own], rng)
-    if grid is not None:
-        _stay_on_plan(grid, before, after)
+    if plan is not None:
+        _stay_on_plan(plan, replace(cloud, state=state).displacement, before, after)
     state[sampled] = after
     return replace(cloud, state=state, log_weight=np.zeros(count))
 
@@ -71,11 +72,13 @@ def _moved(before: Array, rng: np.random.Generator) -> Array:
     return np.asarray(centre + kept * apart + _KERNEL * (root @ rng.standard_normal(before.shape)))
 
 
-def _stay_on_plan(grid: PlanGrid, before: Array, after: Array) -> None:
-    """Put particles back that a kernel moved through a wall; rows (4 devices, n)."""
+def _stay_on_plan(plan: PlanModel, displacement: Array, before: Array, after: Array) -> None:
+    """Put particles (4 devices, n) back that a kernel moved through a wall of the plan, displaced by (3, n)."""
     for begin in range(0, len(before), LOG_SCALE + 1):
-        old, new = before[begin : begin + NORTH + 1], after[begin : begin + NORTH + 1]
+        place_m = slice(begin, begin + NORTH + 1)
+        shift_m = shift_at(displacement, before[place_m], plan.anchor_m)
+        old, new = before[place_m] - shift_m, after[place_m] - shift_m
         longest_m = float(np.hypot(*(new - old)).max(initial=0.0))
-        free = grid.along((old[0], old[1]), (new[0], new[1]), longest_m)
-        blocked = free < np.minimum(_BLOCKED, grid.at(old[0], old[1]))
+        free = plan.grid.along((old[0], old[1]), (new[0], new[1]), longest_m)
+        blocked = free < np.minimum(_BLOCKED, plan.grid.at(old[0], old[1]))
         after[:, blocked] = before[:, blocked]

@@ -206,7 +206,7 @@ class WalkFilter:
             left -= part
             if left <= 1e-9:
                 return
-            self.cloud = moved_by_kernel(self.cloud, self._rng, None if self.plan is None else self.plan.grid)
+            self.cloud = moved_by_kernel(self.cloud, self._rng, self.plan)
         log = likelihood(self.cloud)
         self.evidence.log_measurements += log_mean(self.cloud.log_weight, left * log)
         self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + left * log)

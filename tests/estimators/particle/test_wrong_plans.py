@@ -8,6 +8,8 @@ import pytest
 from estimator_walks import DEVICE, SIGMA_SCALE, STEP_S, step
 
 from pdr_est.estimators import estimate_walk
+from pdr_est.estimators.particle.cloud import DEVICE_ROWS, PLAN_ROWS, Cloud
+from pdr_est.estimators.particle.kernel import moved_by_kernel
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan import displacement
 from pdr_est.estimators.particle.plan.displacement import (
@@ -17,6 +19,7 @@ from pdr_est.estimators.particle.plan.displacement import (
     roughened_displacement,
     shift_at,
 )
+from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.frames import Array
 from pdr_est.types.findings import FindingKind
 from pdr_est.types.floor_plan import FloorPlan, WalkableArea
@@ -149,6 +152,18 @@ def test_a_stretch_shifts_what_is_far_from_the_anchor() -> None:
     alike = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.02]])
     shift_m = shift_at(alike, np.full((2, 2), 50.0), np.array([0.0, 50.0]))
     assert shift_m.tolist() == [[1.0, 1.0], [0.0, 0.0]]
+
+
+def test_a_kernel_moves_no_particle_through_a_wall_of_the_displaced_plan() -> None:
+    """The corridor is drawn 3 m too far to the south: in truth its walls are 2 and 4 m to the north."""
+    rng = np.random.default_rng(0)
+    plan = PlanModel.of(corridors((0.0, -1.0, 60.0, 1.0)), ParticleParams())
+    cloud = Cloud(np.zeros((DEVICE_ROWS + PLAN_ROWS, 2000)), np.zeros(2000), 1)
+    cloud.state[0], cloud.state[1] = 30.0, rng.uniform(2.05, 3.95, 2000)
+    cloud.displacement[1:] = np.array([[3.0], [1e-9]])
+    north_m = moved_by_kernel(cloud, rng, plan).state[1]
+    assert np.mean(~np.isin(north_m, cloud.state[1])) > 0.5
+    assert 1.85 < north_m.min() < north_m.max() < 4.15
 
 
 def test_displacements_fit_those_alike() -> None:
