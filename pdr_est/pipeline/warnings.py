@@ -66,7 +66,7 @@ def notes_of_plan(plan: FloorPlan | BuildingPlan) -> list[str]:
 
 
 def doubts(track: Track, plans: PlansOfWalk, spec: EstimatorSpec) -> tuple[str, ...]:
-    """Put the doubtful findings into words, and a plan that the track is not on. spec: of the estimator."""
+    """Put the doubtful findings of a track into words, and plans that its estimator, by its spec, did not keep to."""
     doubtful = [finding for finding in track.findings if finding.doubtful]
     told = any(finding.kind is FindingKind.PLAN for finding in doubtful)
     share = plans.share_outside(track.time_s, track.position_m) if spec.uses_plan and not told else 0.0
