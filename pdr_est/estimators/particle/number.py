@@ -13,7 +13,7 @@ from pdr_est.frames import Array
 
 _BIN_M, _BIN_RAD = 1.0, 0.35  # of the histogram: half the width of a corridor, and a quarter of a right angle
 _ERROR = 0.1  # bound of the Kullback-Leibler distance to the histogram of the posterior
-_FINER = 4  # times as many particles for the probabilities of places; measured on two equal buildings
+_FINER = 4  # times as many particles for the probabilities of places; ours, see `wanted_number`
 _QUANTILE = 1.645  # of the normal distribution: the bound holds with a probability of 95 %
 
 
@@ -22,8 +22,8 @@ def wanted_number(cloud: Cloud, weights: Array, parameters: ParticleParams, anyw
 
     It is that of KLD sampling within the bounds of the settings. What began with more particles, because its start
     was open, loses at most half of those beyond the bound each time. A walk that may have begun `anywhere` on a plan
-    gets more, for the probabilities of its places: of two equal buildings, each keeps half of the probability up to
-    a tenth.
+    gets more, for the probabilities of its places: of two equal buildings, each keeps half of the probability with a
+    standard deviation of 0.06 over the random numbers (ten seeds).
     """
     probable = weights > 0.01 / len(weights)
     cells = np.zeros(int(probable.sum()), dtype=np.int64)

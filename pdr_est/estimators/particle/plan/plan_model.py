@@ -20,7 +20,7 @@ errors of the step leave room for it. With few draws, a posterior prefers whatev
 steps, above all. They were chosen by the tracks of ILC20 with all three floors in view, none left out: with these
 rather than two draws, the surveyed points are likelier on each of them."""
 
-_PER_M2 = 100.0  # particles of a walk that may begin anywhere: of two equal buildings, each keeps half; ours
+_PER_M2 = 100.0  # particles of a walk that may begin anywhere, where the settings allow as many; ours
 
 
 @dataclass(frozen=True)
