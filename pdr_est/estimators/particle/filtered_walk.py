@@ -13,7 +13,8 @@ from pdr_est.estimators.particle.backward import Block, thinned_cloud
 from pdr_est.estimators.particle.cloud import Cloud
 from pdr_est.estimators.particle.initial_cloud import initial_cloud, spread_over_plan, turned_anywhere
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.places.modes import begins_anywhere, places_at
+from pdr_est.estimators.particle.places.modes import places_at
+from pdr_est.estimators.particle.places.open_start import begins_anywhere
 from pdr_est.estimators.particle.places.start_region import particles_in_region
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid, Window
 from pdr_est.estimators.particle.plan.plan_model import PlanModel

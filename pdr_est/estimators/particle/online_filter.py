@@ -15,7 +15,7 @@ from pdr_est.estimators.particle.initial_cloud import (
     turned_to_heading,
 )
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.places.modes import search_settings
+from pdr_est.estimators.particle.places.open_start import search_settings
 from pdr_est.estimators.particle.plan.plan_model import PlanModel
 from pdr_est.estimators.particle.plan.plans_in_time import PlanModels
 from pdr_est.estimators.particle.walk_filter import WalkFilter

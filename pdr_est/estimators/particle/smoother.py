@@ -12,7 +12,8 @@ from pdr_est.estimators.particle.cloud import START_EAST
 from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles, window_of
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.paths.path_summary import track_of_paths
-from pdr_est.estimators.particle.places.modes import begins_anywhere, place_modes, search_settings
+from pdr_est.estimators.particle.places.modes import place_modes
+from pdr_est.estimators.particle.places.open_start import begins_anywhere, search_settings
 from pdr_est.estimators.particle.places.start_region import start_region
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
 from pdr_est.estimators.particle.plan.plans_in_time import PlansInTime
@@ -24,7 +25,6 @@ from pdr_est.types.track import Track, concatenate
 
 _MOST_FILTERS = 3  # of a walk that may begin anywhere
 _TOLD = 0.25  # probability from which on a finding says that a plan has nothing to do with a walk; ours
-
 _SURE = 9.0  # logarithm of the odds of a plan that fits, as its ways tell, from which on it is not questioned; ours
 
 
