@@ -11,7 +11,7 @@ from pdr_est.estimators.particle.backward import DrawnPaths, simulate_backward
 from pdr_est.estimators.particle.cloud import START_EAST
 from pdr_est.estimators.particle.filtered_walk import ParticleWalk, WalkInput, filter_by_particles, window_of
 from pdr_est.estimators.particle.params import ParticleParams
-from pdr_est.estimators.particle.paths.path_summary import track_of_paths
+from pdr_est.estimators.particle.paths.path_summary import middlemost_path, track_of_paths
 from pdr_est.estimators.particle.places.modes import place_modes
 from pdr_est.estimators.particle.places.open_start import begins_anywhere, search_settings
 from pdr_est.estimators.particle.places.start_region import start_region
@@ -143,9 +143,11 @@ def _found_on_plan(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk, 
     end = again.blocks[-1].cloud
     begun = replace(filtered.places[0], modes=place_modes(end.device(0)[START_EAST:], end.weights))
     search = PlaceSearch(filtered.places, begun, again.places[-1])
-    track = _tracks(walk, [_drawn_paths(walk, again, walk.parameters.paths)], plans)
-    open_place = () if search.unique_since is not None else (place_finding(search),)
-    return replace(track, places=search, findings=(*track.findings, *open_place))
+    decided = search.unique_since is not None
+    track = _tracks(walk, [_drawn_paths(walk, again, walk.parameters.paths)], plans, one_path=not decided)
+    return replace(
+        track, places=search, findings=track.findings if decided else (*track.findings, place_finding(search))
+    )
 
 
 def _mixed(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk, unrelated: float) -> Track:
@@ -167,12 +169,13 @@ def _drawn_paths(walk: WalkInput, filtered: ParticleWalk, paths: int) -> DrawnPa
     return simulate_backward(filtered.blocks, closed, paths, rng)
 
 
-def _tracks(walk: WalkInput, parts: Sequence[DrawnPaths], plans: PlansInTime | None) -> Track:
-    """Make the tracks of all devices of the paths of one or several posteriors."""
+def _tracks(walk: WalkInput, parts: Sequence[DrawnPaths], plans: PlansInTime | None, one_path: bool = False) -> Track:
+    """Make the tracks of all devices of the paths of one or several posteriors, or of the middlemost path alone."""
+    poses = [np.concatenate(own, axis=2) for own in zip(*(part[0] for part in parts), strict=True)]
+    chosen = middlemost_path(np.concatenate(poses)[:, :2]) if one_path else None
     tracks = []
     for device, timeline in enumerate(walk.timelines):
-        poses = np.concatenate([part[0][device] for part in parts], axis=2)
         log_scale = np.concatenate([part[1][device] for part in parts])
         shift_m = np.concatenate([part[2][device] for part in parts], axis=2)
-        tracks.append(track_of_paths(timeline, poses, log_scale, plans, shift_m))
+        tracks.append(track_of_paths(timeline, poses[device], log_scale, plans, shift_m, chosen))
     return replace(concatenate(tracks), on_plan=plans is not None)

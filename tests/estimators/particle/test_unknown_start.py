@@ -73,6 +73,8 @@ def test_two_equal_buildings_keep_half_of_the_probability_each(seed: int) -> Non
         assert east[0] - west[0] == pytest.approx(APART_M, abs=2.0)
         assert east[1] == pytest.approx(west[1], abs=1.0)
     assert search.unique_since is None
+    assert track.distance_m == pytest.approx(57 * 0.7, rel=0.1)  # one of the paths, not the middle of both places
+    assert plan.contains(track.position_m).mean() > 0.9
     assert search.filtered[0].walked_m == 0.0
     assert search.filtered[-1].walked_m == pytest.approx(57 * 0.7)
     assert all(before.time_s <= after.time_s for before, after in pairwise(search.filtered))

@@ -20,7 +20,12 @@ _WALKABLE = 0.5  # probability from which on a pose counts as on the plan
 
 
 def track_of_paths(
-    timeline: Timeline, poses: Array, log_scale: Array, plans: PlansInTime | None, shift_m: Array
+    timeline: Timeline,
+    poses: Array,
+    log_scale: Array,
+    plans: PlansInTime | None,
+    shift_m: Array,
+    chosen: int | None = None,
 ) -> Track:
     """Make the smoothed track of a device.
 
@@ -40,10 +45,12 @@ def track_of_paths(
         Plans of the floors of the walk, or None.
     shift_m
         (n, 2, paths) by how much the plan lies beside the poses, m.
+    chosen
+        Number of the path whose poses are taken, where the middle of all would lie between places; otherwise None.
     """
     place = poses[:, :2]
-    position = place.mean(axis=2)
-    if plans is not None:
+    position = place.mean(axis=2) if chosen is None else place[:, :, chosen]
+    if plans is not None and chosen is None:
         grids = [plans.grid_at(node.time_s) for node in timeline.nodes]
         for begin, end in _stretches(grids):
             grid = grids[begin]
@@ -59,6 +66,14 @@ def track_of_paths(
     track = track_from_nodes(timeline, position, heading, covariance, "smoothed", NAME, found)
     ends = [number for number, node in enumerate(timeline.nodes) if node.is_step]
     return replace(track, region=fitted_region(place[ends], track.position_m, track.covariance_m2))
+
+
+def middlemost_path(place: Array) -> int:
+    """Return the number of the path that has the least mean distance from all of them, (n, 2, paths)."""
+    total = np.zeros((place.shape[2], place.shape[2]))
+    for east, north in place:
+        total += np.hypot(east[:, None] - east, north[:, None] - north)
+    return int(np.argmin(total.sum(axis=1)))
 
 
 def geometric_median(points: Array) -> Array:
