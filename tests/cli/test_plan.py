@@ -78,6 +78,7 @@ def test_a_walk_on_its_plan(good: Path, tmp_path: Path) -> None:
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "walkable floor" in page
     assert '"kind": "lines"' in page.replace('"kind":"lines"', '"kind": "lines"')
+    assert '"rings":2' in page.replace('"rings": 2', '"rings":2')  # the hall and the hole in it
     assert "475 m² walkable; 0.0 % of the poses lie outside" in page
     assert (summary["estimator"], summary["frame"]) == ("particle", "map")
     assert "particle (smoothed): the default with a floor plan" in page

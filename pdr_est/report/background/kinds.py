@@ -102,10 +102,13 @@ class LineBackground:
         Points of each line (n, 2), m or degrees.
     in_degrees
         True for longitudes and latitudes.
+    rings
+        How many of the first lines are borders of walkable floor, which is shaded.
     """
 
     lines: tuple[Array, ...]
     in_degrees: bool = False
+    rings: int = 0
     image_hosts: tuple[str, ...] = ()
 
     def placed(self, placement: MapPlacement, low_m: Array, high_m: Array) -> Json:
@@ -114,12 +117,13 @@ class LineBackground:
         gap = np.full((1, 2), np.nan)
         points = np.concatenate([part for line in lines for part in (line, gap)]) - placement.in_metres()
         packed = {name: pack_column(points[:, axis], LINE_STEP_M) for axis, name in enumerate(("x_m", "y_m"))}
-        return {"kind": "lines", "points": packed}
+        return {"kind": "lines", "points": packed, "rings": self.rings}
 
 
 def plan_background(plan: FloorPlan) -> LineBackground:
-    """Return the borders and walls of a floor plan as lines."""
-    return LineBackground((*(np.vstack([ring, ring[:1]]) for ring in plan.rings_m()), *plan.walls_m))
+    """Return the borders of the walkable floor and the walls of a floor plan as lines."""
+    rings = [np.vstack([ring, ring[:1]]) for ring in plan.rings_m()]
+    return LineBackground((*rings, *plan.walls_m), rings=len(rings))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ const TILE_PX = 256;
 function addMapBackground(map, background) {
   const group = L.layerGroup().addTo(map);
   if (background.kind === 'picture') addPicture(group, background);
-  if (background.kind === 'lines') addPlanLines(map, group, unpackColumns(background.points));
+  if (background.kind === 'lines') addPlanLines(map, group, unpackColumns(background.points), background.rings);
   if (background.kind === 'tiles') addTiles(map, group, background);
   if (background.credit) {
     addMapControl(map, 'bottomright', makeElement('div', { className: 'map-credit' }, background.credit));
@@ -26,7 +26,8 @@ function addPicture(group, { url, corner_m: [x, y], pixel_m: [across, down] }) {
   picture.src = url;
 }
 
-function addPlanLines(map, group, points) {
+/** Draw lines with a missing point between two of them; the first ones bound walkable floor, which is shaded. */
+function addPlanLines(map, group, points, rings) {
   const lines = [[]];
   points.x_m.forEach((x, i) => {
     if (Number.isFinite(x)) lines[lines.length - 1].push([points.y_m[i], x]); else lines.push([]);
@@ -34,7 +35,9 @@ function addPlanLines(map, group, points) {
   const below = map.getPane('plan') || map.createPane('plan');
   Object.assign(below.style, { zIndex: 405, pointerEvents: 'none' });  // a canvas would keep events
   const pane = { pane: 'plan', renderer: L.canvas({ pane: 'plan', padding: 0.4 }), interactive: false };
-  const drawn = L.polyline(lines.filter((line) => line.length), { ...pane, weight: 1 }).addTo(group);
+  const floor = L.polygon(lines.slice(0, rings), { ...pane, stroke: false, fillOpacity: 0.15 });
+  const borders = L.polyline(lines.filter((line) => line.length), { ...pane, weight: 1 });
+  const drawn = L.featureGroup([...(rings ? [floor] : []), borders]).addTo(group);
   const colour = () => drawn.setStyle({ color: cssColour('--muted') });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', colour);
   colour();
