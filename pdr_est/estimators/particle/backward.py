@@ -10,6 +10,7 @@ S. Godsill, A. Doucet, M. West, "Monte Carlo smoothing for nonlinear time series
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from pdr_est.estimators.particle.cloud import (
     REFERENCE_VARIANCE,
     START_EAST,
     Cloud,
+    drawn_columns,
     systematic,
 )
 from pdr_est.estimators.particle.plan.displacement import displacement_terms, shift_at
@@ -151,15 +153,18 @@ def _candidates(
     rng: np.random.Generator,
 ) -> NDArray[np.int64]:
     """Draw particles (m, draws) that may be the predecessors of paths, walls apart."""
-    log = np.broadcast_to(cloud.log_weight, (path.shape[1], len(cloud)))
+    common = [(np.ones((1, path.shape[1])), -2.0 * cloud.log_weight[None])]
+    if cloud.displacement.any():
+        common.append(displacement_terms(replace(cloud, state=path).displacement, cloud.displacement))
+    logs = []
     for device, own in enumerate(motions):
         if own:
             begin = DEVICE_ROWS * device
-            log = log + _log_fit(cloud.device(device), path[begin:], final[begin:], own, closed[device])
-    if cloud.displacement.any():
-        terms, factors = displacement_terms(replace(cloud, state=path).displacement, cloud.displacement)
-        log = log - 0.5 * (terms.T @ factors)
-    return _drawn(log, draws, rng)
+            logs.append(_log_fit(cloud.device(device), path[begin:], final[begin:], own, closed[device], common))
+            common = []
+    if common:
+        logs.append(_log_density(common))
+    return drawn_columns(reduce(np.add, logs), draws, rng)
 
 
 def _ways(begin: Array, path: Array, motions: Sequence[Sequence[BlockMotion]]) -> list[Array | None]:
@@ -205,23 +210,18 @@ def _poses_between(motions: Sequence[BlockMotion], begin: Array, end: Array, log
     return found
 
 
-def _drawn(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64]:
-    """Draw numbers (m, draws) of columns by the logarithms (m, n) of their weights, for each row."""
-    weights = np.exp((log - log.max(axis=1, keepdims=True)).astype(np.float32))  # which is exact enough, and faster
-    total = np.cumsum(weights, axis=1, dtype=np.float64)
-    total /= total[:, -1:]
-    rows, columns = total.shape
-    offset = 2.0 * np.arange(rows)[:, None]
-    wanted = rng.random((rows, draws)) + offset
-    found = np.searchsorted((total + offset).ravel(), wanted.ravel()).reshape(rows, draws)
-    found = np.minimum(found - columns * np.arange(rows)[:, None], columns - 1)
-    return np.asarray(found, dtype=np.int64)
-
-
-def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMotion], closed: bool) -> Array:
+def _log_fit(
+    rows: Array,
+    path: Array,
+    final: Array,
+    motions: Sequence[BlockMotion],
+    closed: bool,
+    common: Sequence[tuple[Array, Array]],
+) -> Array:
     """Return the log densities (m, n) of motions from n particles to m paths, and of the rest of their states.
 
-    The quadratic forms are products of matrices: of terms of the paths with terms of the particles.
+    The quadratic forms are products of matrices: of terms of the paths with terms of the particles. Those in
+    `common` come on top.
     """
     centre = path[: HEADING + 1].mean(axis=1)
     east, north, heading = path[: HEADING + 1] - centre[:, None]
@@ -229,13 +229,20 @@ def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMoti
     terms = np.array(
         [east**2, north**2, heading**2, east * north, east * heading, north * heading, east, north, heading, one]
     )
-    own_terms, own_factors = zip(*_constant_terms(rows, path, final, closed), strict=True)
-    terms = np.concatenate([terms, *own_terms])
-    logs = []
-    for motion in motions:
-        factors = np.concatenate([_quadratic_terms(motion, rows, centre), *own_factors])
-        logs.append(motion.log_factor - 0.5 * (terms.T @ factors))
-    return np.asarray(logs[0] if len(logs) == 1 else np.logaddexp.reduce(logs))
+    rest = [*_constant_terms(rows, path, final, closed), *common]
+    if len(motions) == 1:  # whose factor is that of all
+        return _log_density([(terms, _quadratic_terms(motions[0], rows, centre)), *rest])
+    logs = [
+        motion.log_factor + _log_density([(terms, _quadratic_terms(motion, rows, centre)), *rest])
+        for motion in motions
+    ]
+    return np.asarray(np.logaddexp.reduce(logs))
+
+
+def _log_density(forms: Sequence[tuple[Array, Array]]) -> Array:
+    """Return minus half of the sums (m, n) of products of terms (k, m) of paths with factors (k, n) of particles."""
+    terms, factors = zip(*forms, strict=True)
+    return np.asarray(np.concatenate(terms).T @ (-0.5 * np.concatenate(factors)))
 
 
 def _constant_terms(rows: Array, path: Array, final: Array, closed: bool) -> list[tuple[Array, Array]]:
