@@ -193,9 +193,9 @@ def _chosen(
 
 def _log_way(plan: PlanModel, poses: Array) -> Array:
     """Return the log probabilities (m, c) of the ways of a device over a block, (k + 1, 2, m, c), on the plan."""
-    begin, end = poses[:-1], poses[1:]
-    log = plan.log_way((begin[:, 0].ravel(), begin[:, 1].ravel()), (end[:, 0].ravel(), end[:, 1].ravel()))
-    return np.asarray(log.reshape(len(begin), *poses.shape[2:]).sum(axis=0))
+    flat = np.moveaxis(poses, 1, 0)
+    begin, end = flat[:, :-1].reshape(2, -1), flat[:, 1:].reshape(2, -1)
+    return np.asarray(plan.log_way(begin, end).reshape(len(poses) - 1, *poses.shape[2:]).sum(axis=0))
 
 
 def _poses_between(motions: Sequence[BlockMotion], begin: Array, end: Array, log_scale: Array) -> Array:

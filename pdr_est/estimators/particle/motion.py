@@ -60,21 +60,51 @@ class ParticleMotion:
         rng
             Source of random numbers.
         """
-        normal = rng.standard_normal((3, rows.shape[1]))
+        rows[: HEADING + 1] = self.draw(self.mean_ends(rows, chosen), chosen, 1, rng)[:, 0]
+
+    def mean_ends(self, rows: Array, chosen: NDArray[np.int64]) -> Array:
+        """Return the poses (3, n) after the motion without its errors, and cosine and sine of the headings (2, n).
+
+        Parameters
+        ----------
+        rows
+            (8, n) rows of the device before the motion.
+        chosen
+            Number (n,) of the turn of each particle.
+        """
+        turn = self.turns_rad[0] if len(self.turns_rad) == 1 else self.turns_rad[chosen]
+        heading = rows[HEADING] + turn
+        single = heading.astype(np.float32)  # which is exact enough, and faster
+        c, s = np.cos(single), np.sin(single)
+        ahead = np.exp(rows[LOG_SCALE]) * self.length_m
+        return np.array([rows[EAST] + ahead * c, rows[NORTH] + ahead * s, heading, c, s])
+
+    def draw(self, mean_ends: Array, chosen: NDArray[np.int64], draws: int, rng: np.random.Generator) -> Array:
+        """Draw poses (3, draws, n) after the motion, several for each particle.
+
+        Parameters
+        ----------
+        mean_ends
+            (5, n) as `mean_ends` returns them.
+        chosen
+            Number (n,) of the turn of each particle.
+        draws
+            Number of poses for each particle.
+        rng
+            Source of random numbers.
+        """
+        count = mean_ends.shape[1]
+        normal = rng.standard_normal((3, draws * count))
         if len(self.turns_rad) == 1:
             error: Array = self.roots[0] @ normal
-            heading = rows[HEADING] + self.turns_rad[0]
         else:
-            error = np.empty(normal.shape)
+            error, each = np.empty(normal.shape), np.tile(chosen, draws)
             for number, root in enumerate(self.roots):
-                own = np.flatnonzero(chosen == number)
+                own = np.flatnonzero(each == number)
                 error[:, own] = root @ normal[:, own]
-            heading = rows[HEADING] + self.turns_rad[chosen]
-        c, s = np.cos(heading), np.sin(heading)
-        ahead = np.exp(rows[LOG_SCALE]) * self.length_m + error[0]
-        rows[EAST] += ahead * c - error[1] * s
-        rows[NORTH] += ahead * s + error[1] * c
-        rows[HEADING] = heading + error[2]
+        forward, left, turn = error.reshape(3, draws, count)
+        east, north, heading, c, s = mean_ends
+        return np.array([forward * c - left * s + east, forward * s + left * c + north, turn + heading])
 
 
 def motion_root(covariance: Array) -> Array:

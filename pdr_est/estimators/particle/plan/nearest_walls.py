@@ -114,13 +114,18 @@ def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
     inside = (row >= 0) & (row < shape[0]) & (column >= 0) & (column < shape[1])
     if not inside.any():
         return None
-    field = np.full(shape, np.nan)
-    field[row[inside], column[inside]] = np.arctan2(way_m[:, 1], way_m[:, 0])[wall[inside]]
-    cells, nearest = ndimage.distance_transform_edt(np.isnan(field), return_indices=True)
-    distance_m, direction_rad = cells * cell_m, field[nearest[0], nearest[1]]
+    nearest = np.full(shape, -1, dtype=np.int32)
+    nearest[row[inside], column[inside]] = wall[inside]
+    at = ndimage.distance_transform_edt(nearest < 0, return_distances=False, return_indices=True)
+    found = nearest.ravel().take(at[0] * shape[1] + at[1])
+    down, across = at[0] - np.arange(shape[0], dtype=np.int32)[:, None], at[1] - np.arange(shape[1], dtype=np.int32)
+    squared = np.minimum(down * down + across * across, int((_FAR_M / cell_m) ** 2) + 1)  # distances in cells
+    distance_m = np.sqrt(np.arange(squared.max() + 1)) * cell_m
     along = _ALONG_FAR + (_ALONG_NEAR - _ALONG_FAR) / (1.0 + (distance_m / _NEAR_M) ** _STEEPNESS)
     along[distance_m > _FAR_M] = 0.0
-    ratio = np.exp(np.interp(distance_m, _PLACE_DISTANCE_M, np.log(_PLACE_RATIO)))
-    walkable = grid.walkable[::_COARSER, ::_COARSER]
-    even = float(np.average(ratio, weights=walkable)) if walkable.any() else 1.0  # most of a hall is far from walls
-    return NearestWalls(direction_rad, along, np.log(ratio / even), grid.origin_m, cell_m)
+    log_ratio = np.interp(distance_m, _PLACE_DISTANCE_M, np.log(_PLACE_RATIO))
+    ground = np.bincount(squared.ravel(), grid.walkable[::_COARSER, ::_COARSER].ravel())
+    if ground.any():  # most of a hall is far from walls
+        log_ratio -= np.log(np.exp(log_ratio) @ ground / ground.sum())
+    direction_rad = np.arctan2(way_m[:, 1], way_m[:, 0])[found]
+    return NearestWalls(direction_rad, along[squared], log_ratio[squared], grid.origin_m, cell_m)
