@@ -1,6 +1,7 @@
 """Motion of particles over one node."""
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.particle.cloud import EAST, HEADING, LOG_SCALE, NORTH
 from pdr_est.frames import Array
+
+_LEAST_PIVOT = 1e-16  # m² or rad², below which a variance is a rounding error
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,17 @@ class ParticleMotion:
 
 
 def motion_root(covariance: Array) -> Array:
-    """Return a matrix (3, 3) whose product with its transpose is a covariance, which may be singular."""
-    variance, axes = np.linalg.eigh(covariance)
-    return np.asarray(axes * np.sqrt(np.maximum(variance, 0.0)))
+    """Return a triangular matrix (3, 3) whose product with its transpose is a covariance, which may be singular."""
+    (xx, _, _), (xy, yy, _), (xz, yz, zz) = np.asarray(covariance).tolist()
+    a, b, c = _root_and_quotients(xx, xy, xz)
+    d, e, _ = _root_and_quotients(yy - b * b, yz - b * c, 0.0)
+    f, _, _ = _root_and_quotients(zz - c * c - e * e, 0.0, 0.0)
+    return np.array([[a, 0.0, 0.0], [b, d, 0.0], [c, e, f]])
+
+
+def _root_and_quotients(pivot: float, first: float, second: float) -> tuple[float, float, float]:
+    """Return the root of a pivot and two numbers over it; all are 0 where rounding leaves nothing of the pivot."""
+    if pivot <= _LEAST_PIVOT:
+        return 0.0, 0.0, 0.0
+    root = sqrt(pivot)
+    return root, first / root, second / root

@@ -112,8 +112,7 @@ class PlanModel:
         begin = self.grid.cells(before)
         stays = self.grid.in_cells(begin) < self.pass_probability
         log[stays] = self._log_stray(before[:, stays], rows[: NORTH + 1, stays])
-        again = np.flatnonzero(~stays)
-        again = again[self._meets_wall(begin[:, again], ends[:, :, again], rng)[0]]
+        again = np.flatnonzero(self._meets_wall(begin, ends, rng)[0] & ~stays)
         for draws in _DRAWS:
             if not len(again):
                 break
@@ -155,7 +154,5 @@ class PlanModel:
         rng
             Source of random numbers.
         """
-        if not begin.shape[1]:
-            return np.zeros(end.shape[1:], dtype=np.bool_)
         free = self.grid.along(begin[:, None], self.grid.cells(end[: NORTH + 1]))
         return np.asarray(rng.random(free.shape) >= free)
