@@ -104,7 +104,7 @@ def simulate_backward(
         ]
         cloud, plan = thinned_cloud(before.cloud, rng), block.plan
         candidates = _candidates(cloud, path, final, motions, closed, 1 if plan is None else _CANDIDATES, rng)
-        shift_m = _shift(plan, replace(cloud, state=path))
+        shift_m = _shift(plan, cloud.with_state(path))
         between = _ways(cloud.state[:, candidates], path, motions)
         best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, shift_m, rng)
         row = np.arange(paths)
@@ -119,7 +119,7 @@ def simulate_backward(
     for device, nodes in enumerate(blocks[0].nodes):
         if nodes:
             poses[device].append(_pose(path, device)[None])
-            shifts[device].append(_shift(blocks[0].plan, replace(last, state=path))[None])
+            shifts[device].append(_shift(blocks[0].plan, last.with_state(path))[None])
     scales = final[LOG_SCALE::DEVICE_ROWS][: last.devices]
     return [np.concatenate(own[::-1]) for own in poses], scales, [np.concatenate(own[::-1]) for own in shifts]
 
@@ -155,7 +155,7 @@ def _candidates(
     """Draw particles (m, draws) that may be the predecessors of paths, walls apart."""
     common = [(np.ones((1, path.shape[1])), -2.0 * cloud.log_weight[None])]
     if cloud.displacement.any():
-        common.append(displacement_terms(replace(cloud, state=path).displacement, cloud.displacement))
+        common.append(displacement_terms(cloud.with_state(path).displacement, cloud.displacement))
     logs = []
     for device, own in enumerate(motions):
         if own:

@@ -70,6 +70,14 @@ class Cloud:
         """View of the displacements (3, n) of the floor plan: shift to the east and north, m, and stretch."""
         return self.state[DEVICE_ROWS * self.devices :][:PLAN_ROWS]
 
+    def with_state(self, state: Array) -> "Cloud":
+        """Return a cloud with these states (rows, n) and the same weights; faster than `dataclasses.replace`."""
+        return Cloud(state, self.log_weight, self.devices, self.sources)
+
+    def with_log_weight(self, log_weight: Array) -> "Cloud":
+        """Return a cloud with these logarithms (n,) of the weights and the same states."""
+        return Cloud(self.state, log_weight, self.devices, self.sources)
+
     def source_rows(self, number: int) -> slice:
         """Return the rows of the mean error of a source."""
         begin = DEVICE_ROWS * self.devices + PLAN_ROWS + 2 * number
