@@ -111,12 +111,15 @@ class ParticleMotion:
 
 
 def motion_root(covariance: Array) -> Array:
-    """Return a triangular matrix (3, 3) whose product with its transpose is a covariance, which may be singular."""
+    """Return a matrix (3, 3) whose product with its transpose is a covariance, which may be singular.
+
+    It is Cholesky's, with the heading first.
+    """
     (xx, _, _), (xy, yy, _), (xz, yz, zz) = np.asarray(covariance).tolist()
-    a, b, c = _root_and_quotients(xx, xy, xz)
-    d, e, _ = _root_and_quotients(yy - b * b, yz - b * c, 0.0)
-    f, _, _ = _root_and_quotients(zz - c * c - e * e, 0.0, 0.0)
-    return np.array([[a, 0.0, 0.0], [b, d, 0.0], [c, e, f]])
+    a, b, c = _root_and_quotients(zz, xz, yz)
+    d, e, _ = _root_and_quotients(xx - b * b, xy - b * c, 0.0)
+    f, _, _ = _root_and_quotients(yy - c * c - e * e, 0.0, 0.0)
+    return np.array([[b, d, 0.0], [c, e, f], [a, 0.0, 0.0]])
 
 
 def _root_and_quotients(pivot: float, first: float, second: float) -> tuple[float, float, float]:
