@@ -10,6 +10,7 @@ S. Godsill, A. Doucet, M. West, "Monte Carlo smoothing for nonlinear time series
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from pdr_est.estimators.particle.cloud import (
     REFERENCE_VARIANCE,
     START_EAST,
     Cloud,
+    drawn_columns,
     systematic,
 )
 from pdr_est.estimators.particle.plan.displacement import displacement_terms, shift_at
@@ -102,7 +104,7 @@ def simulate_backward(
         ]
         cloud, plan = thinned_cloud(before.cloud, rng), block.plan
         candidates = _candidates(cloud, path, final, motions, closed, 1 if plan is None else _CANDIDATES, rng)
-        shift_m = _shift(plan, replace(cloud, state=path))
+        shift_m = _shift(plan, cloud.with_state(path))
         between = _ways(cloud.state[:, candidates], path, motions)
         best = np.zeros(paths, dtype=np.int64) if plan is None else _chosen(plan, between, shift_m, rng)
         row = np.arange(paths)
@@ -117,7 +119,7 @@ def simulate_backward(
     for device, nodes in enumerate(blocks[0].nodes):
         if nodes:
             poses[device].append(_pose(path, device)[None])
-            shifts[device].append(_shift(blocks[0].plan, replace(last, state=path))[None])
+            shifts[device].append(_shift(blocks[0].plan, last.with_state(path))[None])
     scales = final[LOG_SCALE::DEVICE_ROWS][: last.devices]
     return [np.concatenate(own[::-1]) for own in poses], scales, [np.concatenate(own[::-1]) for own in shifts]
 
@@ -151,15 +153,18 @@ def _candidates(
     rng: np.random.Generator,
 ) -> NDArray[np.int64]:
     """Draw particles (m, draws) that may be the predecessors of paths, walls apart."""
-    log = np.broadcast_to(cloud.log_weight, (path.shape[1], len(cloud)))
+    common = [(np.ones((1, path.shape[1])), -2.0 * cloud.log_weight[None])]
+    if cloud.displacement.any():
+        common.append(displacement_terms(cloud.with_state(path).displacement, cloud.displacement))
+    logs = []
     for device, own in enumerate(motions):
         if own:
             begin = DEVICE_ROWS * device
-            log = log + _log_fit(cloud.device(device), path[begin:], final[begin:], own, closed[device])
-    if cloud.displacement.any():
-        terms, factors = displacement_terms(replace(cloud, state=path).displacement, cloud.displacement)
-        log = log - 0.5 * (terms.T @ factors)
-    return _drawn(log, draws, rng)
+            logs.append(_log_fit(cloud.device(device), path[begin:], final[begin:], own, closed[device], common))
+            common = []
+    if common:
+        logs.append(_log_density(common))
+    return drawn_columns(reduce(np.add, logs), draws, rng)
 
 
 def _ways(begin: Array, path: Array, motions: Sequence[Sequence[BlockMotion]]) -> list[Array | None]:
@@ -188,9 +193,9 @@ def _chosen(
 
 def _log_way(plan: PlanModel, poses: Array) -> Array:
     """Return the log probabilities (m, c) of the ways of a device over a block, (k + 1, 2, m, c), on the plan."""
-    begin, end = poses[:-1], poses[1:]
-    log = plan.log_way((begin[:, 0].ravel(), begin[:, 1].ravel()), (end[:, 0].ravel(), end[:, 1].ravel()))
-    return np.asarray(log.reshape(len(begin), *poses.shape[2:]).sum(axis=0))
+    flat = np.moveaxis(poses, 1, 0)
+    begin, end = flat[:, :-1].reshape(2, -1), flat[:, 1:].reshape(2, -1)
+    return np.asarray(plan.log_way(begin, end).reshape(len(poses) - 1, *poses.shape[2:]).sum(axis=0))
 
 
 def _poses_between(motions: Sequence[BlockMotion], begin: Array, end: Array, log_scale: Array) -> Array:
@@ -205,23 +210,18 @@ def _poses_between(motions: Sequence[BlockMotion], begin: Array, end: Array, log
     return found
 
 
-def _drawn(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64]:
-    """Draw numbers (m, draws) of columns by the logarithms (m, n) of their weights, for each row."""
-    weights = np.exp((log - log.max(axis=1, keepdims=True)).astype(np.float32))  # which is exact enough, and faster
-    total = np.cumsum(weights, axis=1, dtype=np.float64)
-    total /= total[:, -1:]
-    rows, columns = total.shape
-    offset = 2.0 * np.arange(rows)[:, None]
-    wanted = rng.random((rows, draws)) + offset
-    found = np.searchsorted((total + offset).ravel(), wanted.ravel()).reshape(rows, draws)
-    found = np.minimum(found - columns * np.arange(rows)[:, None], columns - 1)
-    return np.asarray(found, dtype=np.int64)
-
-
-def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMotion], closed: bool) -> Array:
+def _log_fit(
+    rows: Array,
+    path: Array,
+    final: Array,
+    motions: Sequence[BlockMotion],
+    closed: bool,
+    common: Sequence[tuple[Array, Array]],
+) -> Array:
     """Return the log densities (m, n) of motions from n particles to m paths, and of the rest of their states.
 
-    The quadratic forms are products of matrices: of terms of the paths with terms of the particles.
+    The quadratic forms are products of matrices: of terms of the paths with terms of the particles. Those in
+    `common` come on top.
     """
     centre = path[: HEADING + 1].mean(axis=1)
     east, north, heading = path[: HEADING + 1] - centre[:, None]
@@ -229,13 +229,20 @@ def _log_fit(rows: Array, path: Array, final: Array, motions: Sequence[BlockMoti
     terms = np.array(
         [east**2, north**2, heading**2, east * north, east * heading, north * heading, east, north, heading, one]
     )
-    own_terms, own_factors = zip(*_constant_terms(rows, path, final, closed), strict=True)
-    terms = np.concatenate([terms, *own_terms])
-    logs = []
-    for motion in motions:
-        factors = np.concatenate([_quadratic_terms(motion, rows, centre), *own_factors])
-        logs.append(motion.log_factor - 0.5 * (terms.T @ factors))
-    return np.asarray(logs[0] if len(logs) == 1 else np.logaddexp.reduce(logs))
+    rest = [*_constant_terms(rows, path, final, closed), *common]
+    if len(motions) == 1:  # whose factor is that of all
+        return _log_density([(terms, _quadratic_terms(motions[0], rows, centre)), *rest])
+    logs = [
+        motion.log_factor + _log_density([(terms, _quadratic_terms(motion, rows, centre)), *rest])
+        for motion in motions
+    ]
+    return np.asarray(np.logaddexp.reduce(logs))
+
+
+def _log_density(forms: Sequence[tuple[Array, Array]]) -> Array:
+    """Return minus half of the sums (m, n) of products of terms (k, m) of paths with factors (k, n) of particles."""
+    terms, factors = zip(*forms, strict=True)
+    return np.asarray(np.concatenate(terms).T @ (-0.5 * np.concatenate(factors)))
 
 
 def _constant_terms(rows: Array, path: Array, final: Array, closed: bool) -> list[tuple[Array, Array]]:

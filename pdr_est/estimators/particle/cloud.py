@@ -21,6 +21,8 @@ DEVICE_ROWS = 8
 PLAN_ROWS = 3
 """Number of rows of the displacement of the floor plan, which come after those of the devices."""
 
+_GROUP = 25  # columns whose weights are added up before one of them is drawn
+
 EAST, NORTH, HEADING, LOG_SCALE, REFERENCE, REFERENCE_VARIANCE, START_EAST, START_NORTH = range(DEVICE_ROWS)
 
 
@@ -68,6 +70,14 @@ class Cloud:
         """View of the displacements (3, n) of the floor plan: shift to the east and north, m, and stretch."""
         return self.state[DEVICE_ROWS * self.devices :][:PLAN_ROWS]
 
+    def with_state(self, state: Array) -> "Cloud":
+        """Return a cloud with these states (rows, n) and the same weights; faster than `dataclasses.replace`."""
+        return Cloud(state, self.log_weight, self.devices, self.sources)
+
+    def with_log_weight(self, log_weight: Array) -> "Cloud":
+        """Return a cloud with these logarithms (n,) of the weights and the same states."""
+        return Cloud(self.state, log_weight, self.devices, self.sources)
+
     def source_rows(self, number: int) -> slice:
         """Return the rows of the mean error of a source."""
         begin = DEVICE_ROWS * self.devices + PLAN_ROWS + 2 * number
@@ -101,3 +111,40 @@ def systematic(weights: Array, count: int, uniform: float) -> NDArray[np.int64]:
     total = np.cumsum(weights)
     taken = np.searchsorted(total, places * total[-1], side="right")
     return np.asarray(np.minimum(taken, len(weights) - 1), dtype=np.int64)
+
+
+def drawn_columns(log: Array, draws: int, rng: np.random.Generator) -> NDArray[np.int64]:
+    """Draw columns of a table of weights, for each row by its own weights.
+
+    First a group of columns is drawn and then one of its columns, so that only few weights are added up one by one.
+
+    Parameters
+    ----------
+    log
+        Logarithms (m, n) of the weights, in each row up to a constant.
+    draws
+        Number of columns to draw for each row.
+    rng
+        Source of random numbers.
+
+    Returns
+    -------
+    NDArray
+        Numbers (m, draws) of the columns.
+    """
+    rows, columns = log.shape
+    groups = -(-columns // _GROUP)
+    weights = np.zeros((rows, groups * _GROUP), dtype=np.float32)  # which is exact enough, and faster
+    weights[:, :columns] = log - log.max(axis=1, keepdims=True)
+    np.exp(weights[:, :columns], out=weights[:, :columns])
+    weights = weights.reshape(rows, groups, _GROUP)
+    row = np.arange(rows)[:, None]
+    total = np.cumsum(weights @ np.ones(_GROUP, dtype=np.float32), axis=1, dtype=np.float64)
+    wanted = rng.random((rows, draws)) * total[:, -1:]
+    group = np.minimum((total[:, None] <= wanted[..., None]).sum(axis=2), groups - 1)
+    end = total[row, group]
+    begin = np.where(group > 0, total[row, group - 1], 0.0)
+    within = np.cumsum(weights[row, group], axis=2, dtype=np.float64)
+    inside = (wanted - begin) / (end - begin) * within[..., -1]
+    column = np.minimum((within <= inside[..., None]).sum(axis=2), _GROUP - 1)
+    return np.asarray(np.minimum(group * _GROUP + column, columns - 1), dtype=np.int64)

@@ -77,8 +77,6 @@ def _stay_on_plan(plan: PlanModel, displacement: Array, before: Array, after: Ar
     for begin in range(0, len(before), LOG_SCALE + 1):
         place_m = slice(begin, begin + NORTH + 1)
         shift_m = shift_at(displacement, before[place_m], plan.anchor_m)
-        old, new = before[place_m] - shift_m, after[place_m] - shift_m
-        longest_m = float(np.hypot(*(new - old)).max(initial=0.0))
-        free = plan.grid.along((old[0], old[1]), (new[0], new[1]), longest_m)
-        blocked = free < np.minimum(_BLOCKED, plan.grid.at(old[0], old[1]))
+        old, new = plan.grid.cells(before[place_m] - shift_m), plan.grid.cells(after[place_m] - shift_m)
+        blocked = plan.grid.along(old, new) < np.minimum(_BLOCKED, plan.grid.in_cells(old))
         after[:, blocked] = before[:, blocked]

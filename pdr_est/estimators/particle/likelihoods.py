@@ -42,13 +42,13 @@ def with_reference(cloud: Cloud, device: int, prior: HeadingPrior) -> Cloud:
     if not prior.relative:
         return cloud
     state = cloud.state.copy()
-    rows = replace(cloud, state=state).device(device)
+    rows = cloud.with_state(state).device(device)
     residual, variance = _heading_residual(rows, prior)
     noise = prior.sigma_rad**2 * (1.0 + residual**2 / variance if prior.robust else 1.0)
     gain = rows[REFERENCE_VARIANCE] / (rows[REFERENCE_VARIANCE] + noise)
     rows[REFERENCE] -= gain * residual
     rows[REFERENCE_VARIANCE] *= 1.0 - gain
-    return replace(cloud, state=state)
+    return cloud.with_state(state)
 
 
 def _heading_residual(rows: Array, prior: HeadingPrior) -> tuple[Array, Array]:

@@ -1,6 +1,7 @@
 """Motion of particles over one node."""
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 from pdr_est.estimators.common.nodes import Node, with_heading_variance
 from pdr_est.estimators.particle.cloud import EAST, HEADING, LOG_SCALE, NORTH
 from pdr_est.frames import Array
+
+_LEAST_PIVOT = 1e-16  # m² or rad², below which a variance is a rounding error
 
 
 @dataclass(frozen=True)
@@ -60,24 +63,68 @@ class ParticleMotion:
         rng
             Source of random numbers.
         """
-        normal = rng.standard_normal((3, rows.shape[1]))
+        rows[: HEADING + 1] = self.draw(self.mean_ends(rows, chosen), chosen, 1, rng)[:, 0]
+
+    def mean_ends(self, rows: Array, chosen: NDArray[np.int64]) -> Array:
+        """Return the poses (3, n) after the motion without its errors, and cosine and sine of the headings (2, n).
+
+        Parameters
+        ----------
+        rows
+            (8, n) rows of the device before the motion.
+        chosen
+            Number (n,) of the turn of each particle.
+        """
+        turn = self.turns_rad[0] if len(self.turns_rad) == 1 else self.turns_rad[chosen]
+        heading = rows[HEADING] + turn
+        single = heading.astype(np.float32)  # which is exact enough, and faster
+        c, s = np.cos(single), np.sin(single)
+        ahead = np.exp(rows[LOG_SCALE]) * self.length_m
+        return np.array([rows[EAST] + ahead * c, rows[NORTH] + ahead * s, heading, c, s])
+
+    def draw(self, mean_ends: Array, chosen: NDArray[np.int64], draws: int, rng: np.random.Generator) -> Array:
+        """Draw poses (3, draws, n) after the motion, several for each particle.
+
+        Parameters
+        ----------
+        mean_ends
+            (5, n) as `mean_ends` returns them.
+        chosen
+            Number (n,) of the turn of each particle.
+        draws
+            Number of poses for each particle.
+        rng
+            Source of random numbers.
+        """
+        count = mean_ends.shape[1]
+        normal = rng.standard_normal((3, draws * count))
         if len(self.turns_rad) == 1:
             error: Array = self.roots[0] @ normal
-            heading = rows[HEADING] + self.turns_rad[0]
         else:
-            error = np.empty(normal.shape)
+            error, each = np.empty(normal.shape), np.tile(chosen, draws)
             for number, root in enumerate(self.roots):
-                own = np.flatnonzero(chosen == number)
+                own = np.flatnonzero(each == number)
                 error[:, own] = root @ normal[:, own]
-            heading = rows[HEADING] + self.turns_rad[chosen]
-        c, s = np.cos(heading), np.sin(heading)
-        ahead = np.exp(rows[LOG_SCALE]) * self.length_m + error[0]
-        rows[EAST] += ahead * c - error[1] * s
-        rows[NORTH] += ahead * s + error[1] * c
-        rows[HEADING] = heading + error[2]
+        forward, left, turn = error.reshape(3, draws, count)
+        east, north, heading, c, s = mean_ends
+        return np.array([forward * c - left * s + east, forward * s + left * c + north, turn + heading])
 
 
 def motion_root(covariance: Array) -> Array:
-    """Return a matrix (3, 3) whose product with its transpose is a covariance, which may be singular."""
-    variance, axes = np.linalg.eigh(covariance)
-    return np.asarray(axes * np.sqrt(np.maximum(variance, 0.0)))
+    """Return a matrix (3, 3) whose product with its transpose is a covariance, which may be singular.
+
+    It is Cholesky's, with the heading first.
+    """
+    (xx, _, _), (xy, yy, _), (xz, yz, zz) = np.asarray(covariance).tolist()
+    a, b, c = _root_and_quotients(zz, xz, yz)
+    d, e, _ = _root_and_quotients(xx - b * b, xy - b * c, 0.0)
+    f, _, _ = _root_and_quotients(yy - c * c - e * e, 0.0, 0.0)
+    return np.array([[b, d, 0.0], [c, e, f], [a, 0.0, 0.0]])
+
+
+def _root_and_quotients(pivot: float, first: float, second: float) -> tuple[float, float, float]:
+    """Return the root of a pivot and two numbers over it; all are 0 where rounding leaves nothing of the pivot."""
+    if pivot <= _LEAST_PIVOT:
+        return 0.0, 0.0, 0.0
+    root = sqrt(pivot)
+    return root, first / root, second / root

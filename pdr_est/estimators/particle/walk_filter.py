@@ -93,7 +93,7 @@ class WalkFilter:
         if self.plan is None:
             motion = ParticleMotion.to(node)
             motion.move(rows, motion.chosen(rows.shape[1], self._rng), self._rng)
-            self.cloud = replace(self.cloud, state=state)
+            self.cloud = self.cloud.with_state(state)
             return
         place_m = rows[: NORTH + 1]
         shift_m = shift_at(self.cloud.displacement, place_m, self.plan.anchor_m)
@@ -102,7 +102,7 @@ class WalkFilter:
         if self.plan.directions is not None:
             log += self.plan.directions.log_weight(rows, node.length_m)
         place_m += shift_m
-        self.cloud = replace(self.cloud, state=state)
+        self.cloud = self.cloud.with_state(state)
         self._weigh_by_plan(log, _TRUST_ANYWHERE if self._anywhere else 1.0)
         free_m = max(self.plan.free_path_m, 2.0 * self.plan.stray_length_m)
         self.evidence.walls += node.length_m / free_m / self.cloud.devices
@@ -118,7 +118,7 @@ class WalkFilter:
         """Weigh the particles by the log probabilities (n,) of ways of a device, each device for its share."""
         share = log / self.cloud.devices
         self.evidence.log_ways += log_mean(self.cloud.log_weight, share)
-        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + trust * share)
+        self.cloud = self.cloud.with_log_weight(self.cloud.log_weight + trust * share)
 
     def change_floor(self, plan: PlanModel | None, devices: Iterable[int]) -> None:
         """Take the plan of the floor that the walker is on from now on; None between floors.
@@ -166,7 +166,7 @@ class WalkFilter:
         rows[: HEADING + 1] = self.cloud.device(donor)[: HEADING + 1]
         sigma = np.array([[_SIGMA_ENTERING_M], [_SIGMA_ENTERING_M], [SIGMA_INITIAL_HEADING_RAD]])
         rows[: HEADING + 1] += sigma * self._rng.standard_normal((3, len(self.cloud)))
-        self.cloud = replace(self.cloud, state=state)
+        self.cloud = self.cloud.with_state(state)
 
     def add_device(self) -> None:
         """Add a device that was not known when the walk began, with a pose of the first one."""
@@ -202,14 +202,14 @@ class WalkFilter:
             log = likelihood(self.cloud)
             part = _largest_part(self.cloud.log_weight, log, left)
             self.evidence.log_measurements += log_mean(self.cloud.log_weight, part * log)
-            self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + part * log)
+            self.cloud = self.cloud.with_log_weight(self.cloud.log_weight + part * log)
             left -= part
             if left <= 1e-9:
                 return
             self.cloud = moved_by_kernel(self.cloud, self._rng, self.plan)
         log = likelihood(self.cloud)
         self.evidence.log_measurements += log_mean(self.cloud.log_weight, left * log)
-        self.cloud = replace(self.cloud, log_weight=self.cloud.log_weight + left * log)
+        self.cloud = self.cloud.with_log_weight(self.cloud.log_weight + left * log)
 
 
 def log_mean(log_weight: Array, log: Array) -> float:
@@ -226,7 +226,7 @@ def _log_place(plan: PlanModel, cloud: Cloud, device: int) -> Array:
 
 def _displaced(cloud: Cloud, rng: np.random.Generator) -> Cloud:
     """Return a cloud whose particles say how the plan is displaced."""
-    found = replace(cloud, state=cloud.state.copy())
+    found = cloud.with_state(cloud.state.copy())
     found.displacement[:] = draw_displacements(len(cloud), rng)
     return found
 

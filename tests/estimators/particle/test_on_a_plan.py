@@ -65,7 +65,7 @@ def test_the_raster_knows_inside_outside_and_walls() -> None:
     east, north = np.array([1.0, 5.0, -1.0, 99.0]), np.array([1.0, 5.0, 5.0, 5.0])
     assert grid.at(east, north).tolist() == [1.0, 0.0, 0.0, 0.0]
     ways = np.array([(1.0, 1.0, 3.0, 1.0), (1.0, 4.5, 3.0, 4.5), (3.0, 5.0, 7.0, 5.0)]).T
-    free = grid.along((ways[0], ways[1]), (ways[2], ways[3]), 4.0)
+    free = grid.along(grid.cells(ways[:2]), grid.cells(ways[2:]))
     assert free.tolist() == [0.0, 1.0, 0.0]  # through the wall, past its end, across the hole
     assert grid.walkable.sum() * 0.2**2 == pytest.approx(96.0, rel=0.03)
 

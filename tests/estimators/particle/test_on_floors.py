@@ -69,7 +69,7 @@ def test_a_way_that_leads_onto_a_floor_beside_its_ground_is_drawn_there() -> Non
 
 def test_walls_of_an_uncertain_floor_are_as_permeable_as_it_is_improbable() -> None:
     models = PlanModels(ParticleParams(pass_probability=0.02))
-    through = (np.array([30.0]), np.array([0.0])), (np.array([30.0]), np.array([2.0]))
+    through = np.array([[30.0], [0.0]]), np.array([[30.0], [2.0]])
     for probability in (1.0, 0.5, 0.0):
         model = models.of(PresentFloor(0.0, GROUND, probability))
         assert model is not None

@@ -80,9 +80,9 @@ def geometric_median(points: Array) -> Array:
     """Return the points (n, 2) of least mean distance from sets of points (n, 2, k), by Weiszfeld's iteration."""
     centre = points.mean(axis=2)
     for _ in range(_ROUNDS):
-        distance = np.hypot(points[:, 0] - centre[:, :1], points[:, 1] - centre[:, 1:])
-        weight = 1.0 / np.maximum(distance, _LEAST_M)
-        centre = np.asarray((points * weight[:, None]).sum(axis=2) / weight.sum(axis=1)[:, None])
+        east, north = points[:, 0] - centre[:, :1], points[:, 1] - centre[:, 1:]
+        weight = 1.0 / np.maximum(np.sqrt(east * east + north * north), _LEAST_M)
+        centre = (points @ weight[:, :, None])[:, :, 0] / weight.sum(axis=1)[:, None]
     return np.asarray(centre)
 
 

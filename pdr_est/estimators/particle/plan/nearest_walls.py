@@ -17,6 +17,7 @@ probability that falls with the distance; otherwise it may be any.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from pdr_est.estimators.particle.plan.plan_grid import PlanGrid
@@ -64,9 +65,9 @@ class NearestWalls:
         Size of a cell, m.
     """
 
-    direction_rad: Array
-    along: Array
-    log_place: Array
+    direction_rad: NDArray[np.float32]
+    along: NDArray[np.float32]
+    log_place: NDArray[np.float32]
     origin_m: Array
     cell_m: float
 
@@ -81,19 +82,22 @@ class NearestWalls:
             Length of the way, m. Successive ways are much the same, so that a way counts for its share of a leg.
         """
         cells_across, cells_along = self.direction_rad.shape
-        column = ((rows[0] - self.origin_m[0]) / self.cell_m).astype(np.int64)
-        row = ((rows[1] - self.origin_m[1]) / self.cell_m).astype(np.int64)
-        for index, count in ((column, cells_along), (row, cells_across)):
-            np.minimum(np.maximum(index, 0, out=index), count - 1, out=index)
+        cells = ((rows[:2] - self.origin_m[:, None]) * (1.0 / self.cell_m)).astype(np.int32)
+        last = np.array([[cells_along - 1], [cells_across - 1]], dtype=np.int32)
+        column, row = np.minimum(np.maximum(cells, 0, out=cells), last, out=cells)
         row *= cells_along
         row += column
-        off = rows[2] - self.direction_rad.ravel().take(row)
-        off -= np.pi * np.rint(off / np.pi)
-        along = self.along.ravel().take(row)
-        peak = np.sqrt(0.5 * np.pi) / SIGMA_ALONG_RAD  # over the uniform density on half the circle
-        ratio = 1.0 + along * (peak * np.exp(-0.5 * (off / SIGMA_ALONG_RAD) ** 2) - 1.0)
+        off = rows[2].astype(np.float32)
+        off -= self.direction_rad.ravel().take(row)
+        off -= np.float32(np.pi) * np.rint(off * np.float32(1.0 / np.pi))
+        off *= np.float32(1.0 / SIGMA_ALONG_RAD)
+        peak = np.float32(np.sqrt(0.5 * np.pi) / SIGMA_ALONG_RAD)  # over the uniform density on half the circle
+        ratio = peak * np.exp(np.float32(-0.5) * off * off)
+        ratio -= np.float32(1.0)
+        ratio *= self.along.ravel().take(row)
+        ratio += np.float32(1.0)
         place = self.log_place.ravel().take(row)
-        return np.asarray(np.log(ratio) * (length_m / DIRECTION_WAY_M) + place * (length_m / _PLACE_M))
+        return np.asarray(np.log(ratio) * (length_m / DIRECTION_WAY_M) + place * (length_m / _PLACE_M), np.float64)
 
 
 def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
@@ -114,13 +118,24 @@ def nearest_walls(plan: FloorPlan, grid: PlanGrid) -> NearestWalls | None:
     inside = (row >= 0) & (row < shape[0]) & (column >= 0) & (column < shape[1])
     if not inside.any():
         return None
-    field = np.full(shape, np.nan)
-    field[row[inside], column[inside]] = np.arctan2(way_m[:, 1], way_m[:, 0])[wall[inside]]
-    cells, nearest = ndimage.distance_transform_edt(np.isnan(field), return_indices=True)
-    distance_m, direction_rad = cells * cell_m, field[nearest[0], nearest[1]]
+    nearest = np.full(shape, -1, dtype=np.int32)
+    nearest[row[inside], column[inside]] = wall[inside]
+    at = ndimage.distance_transform_edt(nearest < 0, return_distances=False, return_indices=True)
+    found = nearest.ravel().take(at[0] * shape[1] + at[1])
+    down, across = at[0] - np.arange(shape[0], dtype=np.int32)[:, None], at[1] - np.arange(shape[1], dtype=np.int32)
+    squared = np.minimum(down * down + across * across, int((_FAR_M / cell_m) ** 2) + 1)  # distances in cells
+    distance_m = np.sqrt(np.arange(squared.max() + 1)) * cell_m
     along = _ALONG_FAR + (_ALONG_NEAR - _ALONG_FAR) / (1.0 + (distance_m / _NEAR_M) ** _STEEPNESS)
     along[distance_m > _FAR_M] = 0.0
-    ratio = np.exp(np.interp(distance_m, _PLACE_DISTANCE_M, np.log(_PLACE_RATIO)))
-    walkable = grid.walkable[::_COARSER, ::_COARSER]
-    even = float(np.average(ratio, weights=walkable)) if walkable.any() else 1.0  # most of a hall is far from walls
-    return NearestWalls(direction_rad, along, np.log(ratio / even), grid.origin_m, cell_m)
+    log_ratio = np.interp(distance_m, _PLACE_DISTANCE_M, np.log(_PLACE_RATIO))
+    ground = np.bincount(squared.ravel(), grid.walkable[::_COARSER, ::_COARSER].ravel())
+    if ground.any():  # most of a hall is far from walls
+        log_ratio -= np.log(np.exp(log_ratio) @ ground / ground.sum())
+    direction_rad = np.arctan2(way_m[:, 1], way_m[:, 0])
+    return NearestWalls(
+        direction_rad.astype(np.float32)[found],
+        along.astype(np.float32)[squared],
+        log_ratio.astype(np.float32)[squared],
+        grid.origin_m,
+        cell_m,
+    )

@@ -40,33 +40,43 @@ class PlanGrid:
 
     def at(self, east_m: Array, north_m: Array) -> NDArray[np.float32]:
         """Return the probability that points (any shape) are walkable; it is 0 outside the plan."""
+        return self.in_cells(self.cells(np.array([east_m, north_m])))
+
+    def cells(self, position_m: Array) -> NDArray[np.float32]:
+        """Return column and row (2, ...) of positions (2, ...), in cells.
+
+        Those outside the raster are moved to its border, where no cell is walkable, so that straight ways between
+        them stay inside.
+        """
         rows, columns = self.walkable.shape
-        column = ((east_m - self.origin_m[0]) * (1.0 / self.cell_m)).astype(np.int64)
-        row = ((north_m - self.origin_m[1]) * (1.0 / self.cell_m)).astype(np.int64)
-        for index, count in ((column, columns), (row, rows)):
-            np.minimum(np.maximum(index, 0, out=index), count - 1, out=index)
-        row *= columns
+        shape = 2, *[1] * (position_m.ndim - 1)
+        found = ((position_m - self.origin_m.reshape(shape)) * (1.0 / self.cell_m)).astype(np.float32)
+        last = np.array([columns - 0.5, rows - 0.5], dtype=np.float32).reshape(shape)
+        return np.minimum(np.maximum(found, np.float32(0.0), out=found), last, out=found)
+
+    def in_cells(self, cells: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the probability that points (2, ...), in cells as `cells` returns them, are walkable."""
+        column, row = cells.astype(np.int32)
+        row *= self.walkable.shape[1]
         row += column
         found: NDArray[np.float32] = self.walkable.ravel().take(row)
         return found
 
-    def along(
-        self, begin_m: tuple[Array, Array], end_m: tuple[Array, Array], longest_m: float
-    ) -> NDArray[np.float32]:
-        """Return the least probability of a point on each of n straight ways, without their beginnings.
+    def along(self, begin: NDArray[np.float32], end: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the least probability of a point on each of many straight ways, without their beginnings.
 
         Parameters
         ----------
-        begin_m, end_m
-            East and north (n,) of the ends of the ways, m.
-        longest_m
-            Length of the longest way, m, after which the distance of the points is chosen.
+        begin, end
+            (2, ...) ends of the ways, in cells as `cells` returns them. The points of a way are at most a cell apart.
         """
-        points = max(int(np.ceil(longest_m / self.cell_m)), 1)
-        share = (np.arange(1, points + 1) / points)[:, None]
-        east_m = begin_m[0] + share * (end_m[0] - begin_m[0])
-        north_m = begin_m[1] + share * (end_m[1] - begin_m[1])
-        least: NDArray[np.float32] = self.at(east_m, north_m).min(axis=0)
+        way = end - begin
+        squared = way * way
+        points = max(int(np.ceil(np.sqrt((squared[0] + squared[1]).max(initial=0.0)))), 1)
+        share = np.arange(1, points + 1, dtype=np.float32) / np.float32(points)
+        cells = np.multiply.outer(share, way)
+        cells += begin
+        least: NDArray[np.float32] = self.in_cells(np.moveaxis(cells, 1, 0)).min(axis=0)
         return least
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pdr_est.estimators.common.nodes import Node
-from pdr_est.estimators.particle.cloud import LOG_SCALE, NORTH
+from pdr_est.estimators.particle.cloud import HEADING, NORTH
 from pdr_est.estimators.particle.motion import ParticleMotion
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.estimators.particle.plan.nearest_walls import NearestWalls, nearest_walls
@@ -101,55 +101,58 @@ class PlanModel:
         rng
             Source of random numbers.
         """
-        before, motion = rows[: LOG_SCALE + 1].copy(), ParticleMotion.to(node)
+        before, motion = rows[: NORTH + 1].copy(), ParticleMotion.to(node)
         turns = motion.chosen(rows.shape[1], rng)
-        motion.move(rows, turns, rng)
+        means = motion.mean_ends(rows, turns)
+        ends = motion.draw(means, turns, 1, rng)
+        rows[: HEADING + 1] = ends[:, 0]
         log = np.zeros(rows.shape[1])
         if node.length_m <= 0.0:
             return log
-        stays = self._off(before)
-        log[stays] = self._log_stray(before[: NORTH + 1, stays], rows[: NORTH + 1, stays])
-        again = np.flatnonzero(~stays)
-        again = again[self._meets_wall(before[: NORTH + 1, again], rows[: NORTH + 1, again], rng)]
+        begin = self.grid.cells(before)
+        stays = self.grid.in_cells(begin) < self.pass_probability
+        log[stays] = self._log_stray(before[:, stays], rows[: NORTH + 1, stays])
+        again = np.flatnonzero(self._meets_wall(begin, ends, rng)[0] & ~stays)
         for draws in _DRAWS:
             if not len(again):
                 break
-            each = np.repeat(again, draws)
-            once = before[:, each]
-            motion.move(once, turns[each], rng)
-            free = ~self._meets_wall(before[:, each], once, rng).reshape(-1, draws)
-            found = free.any(axis=1)
-            first = np.flatnonzero(found) * draws + free[found].argmax(axis=1)
-            rows[: LOG_SCALE + 1, again[found]] = once[:, first]
+            ends = motion.draw(means[:, again], turns[again], draws, rng)
+            free = ~self._meets_wall(begin[:, again], ends, rng)
+            found = free.any(axis=0)
+            rows[: HEADING + 1, again[found]] = ends[:, free.argmax(axis=0)[found], np.flatnonzero(found)]
             again = again[~found]
         log[again] = np.log(self.pass_probability)
         return log
 
-    def log_way(self, begin: tuple[Array, Array], end: tuple[Array, Array]) -> Array:
-        """Return the log probabilities (n,) of given straight ways, from and to east and north (n,), m.
+    def log_way(self, begin: Array, end: Array) -> Array:
+        """Return the log probabilities (n,) of given straight ways, from and to east and north (2, n), m.
 
         A way is as probable as its least walkable point, at least as probable as passing a wall.
         """
-        off = self.grid.at(*begin) < self.pass_probability
-        longest_m = float(np.hypot(end[0] - begin[0], end[1] - begin[1]).max(initial=0.0))
-        free = self.grid.along(begin, end, longest_m)
+        first, last = self.grid.cells(begin), self.grid.cells(end)
+        off = self.grid.in_cells(first) < self.pass_probability
+        free = self.grid.along(first, last)
         log = np.log(self.pass_probability + (1.0 - self.pass_probability) * free)
         if off.any():
-            log[off] = self._log_stray(np.array(begin)[:, off], np.array(end)[:, off])
+            log[off] = self._log_stray(begin[:, off], end[:, off])
         return np.asarray(log, dtype=np.float64)
-
-    def _off(self, rows: Array) -> NDArray[np.bool_]:
-        return np.asarray(self.grid.at(rows[0], rows[1]) < self.pass_probability)
 
     def _log_stray(self, begin: Array, end: Array) -> Array:
         """Return the log probabilities (n,) of ways that begin off the walkable ground, where walls are unknown."""
         stays = np.exp(-np.hypot(*(end - begin)[: NORTH + 1]) / self.stray_length_m)
         return np.asarray(np.log(stays + (1.0 - stays) * self.grid.at(end[0], end[1])))
 
-    def _meets_wall(self, begin: Array, end: Array, rng: np.random.Generator) -> NDArray[np.bool_]:
-        """Draw for n ways whether a wall is in them, by the probability that all their points are walkable."""
-        if not begin.shape[1]:
-            return np.zeros(0, dtype=np.bool_)
-        longest_m = float(np.hypot(*(end - begin)[: NORTH + 1]).max())
-        free = self.grid.along((begin[0], begin[1]), (end[0], end[1]), longest_m)
-        return np.asarray(rng.random(len(free)) >= free)
+    def _meets_wall(self, begin: NDArray[np.float32], end: Array, rng: np.random.Generator) -> NDArray[np.bool_]:
+        """Draw for ways whether a wall is in them (k, n), by the probability that all their points are walkable.
+
+        Parameters
+        ----------
+        begin
+            (2, n) beginnings, in cells.
+        end
+            (3, k, n) poses at k ends for each, m and rad.
+        rng
+            Source of random numbers.
+        """
+        free = self.grid.along(begin[:, None], self.grid.cells(end[: NORTH + 1]))
+        return np.asarray(rng.random(free.shape) >= free)
