@@ -16,9 +16,9 @@ from pdr_est.estimators.factor_graph.keys import GraphKeys
 from pdr_est.estimators.factor_graph.smoother import (
     LeftOutFix,
     left_out_fixes,
+    lowest_optimum,
     pose_marginals,
     run_gtsam,
-    solve,
     track_from_solution,
 )
 from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, SmoothingProblem, as_values
@@ -195,12 +195,13 @@ def build_graph(
     devices = [replace(one, measurements=(*one.measurements, *given)) for one in _devices(measurements)]
     timelines = timelines_of(devices, tethers, pose_times_s)
     starts, node_tethers = starts_of(timelines, start), node_tethers_between(timelines, tethers)
-    initial = initial_states(timelines, node_tethers, starts, sigma_length_scale)
-    problem = SmoothingProblem(timelines, node_tethers, starts, initial)
     if optimised:
-        scales, at = run_gtsam(lambda: solve(problem, initial, sigma_length_scale), problem.keys.poses)
-        values = as_values(at)
+        poses = sum(len(one.nodes) for one in timelines)
+        best = run_gtsam(lambda: lowest_optimum(timelines, node_tethers, starts, sigma_length_scale), poses)
+        problem, scales, values = best.problem, best.scales, as_values(best.at)
     else:
+        initial = initial_states(timelines, node_tethers, starts, sigma_length_scale)
+        problem = SmoothingProblem(timelines, node_tethers, starts, initial)
         expected = [states[-1].length_scale[0] if problem.scale_is_observable else 1.0 for states in initial]
         scales = LengthScales.known(np.array(expected), problem.keys)
         values = problem.initial_values(initial)

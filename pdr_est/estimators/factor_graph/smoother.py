@@ -19,10 +19,10 @@ from pdr_est.errors import EstimationError
 from pdr_est.estimators.common.huber import HUBER
 from pdr_est.estimators.common.initial_state import starts_of
 from pdr_est.estimators.common.motion_model import MIN_SIGMA, GaussianState
-from pdr_est.estimators.common.tethers import node_tethers_between
+from pdr_est.estimators.common.tethers import NodeTether, node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline, track_from_nodes
-from pdr_est.estimators.factor_graph.initial_values import initial_states, with_headings
 from pdr_est.estimators.factor_graph.length_scale import optimise_with_scales
+from pdr_est.estimators.factor_graph.local_optima import Solution, starting_points
 from pdr_est.estimators.factor_graph.marginals import marginal_covariances
 from pdr_est.estimators.factor_graph.newton import CONTINUATION_FACTORS, EXACTLY_TETHERED, ROUGHLY, SOFTLY
 from pdr_est.estimators.factor_graph.smoothing_problem import LengthScales, Point, SmoothingProblem, as_values
@@ -79,20 +79,38 @@ def estimate(
     """
     starts = starts_of(timelines, start)
     node_tethers = node_tethers_between(timelines, tethers)
-    initial = initial_states(timelines, node_tethers, with_headings(starts, start_headings_rad), sigma_length_scale)
-    problem = SmoothingProblem(timelines, node_tethers, starts, initial)
 
-    def work() -> tuple[LengthScales, Array, Array]:
-        scales, at = solve(problem, initial, sigma_length_scale)
+    def work() -> tuple[SmoothingProblem, LengthScales, Array, Array]:
+        best = lowest_optimum(timelines, node_tethers, starts, sigma_length_scale, start_headings_rad)
+        problem, scales, at = best.problem, best.scales, best.at
         found = problem.banded_marginals(at, scales.value)
         if found is None:
             values = as_values(at)
             linear = problem.linear(values, scales.value, with_stiffness=False)
             found = marginals_of(problem, linear.factors, values)
-        return scales, *found
+        return problem, scales, *found
 
-    scales, pose, covariance = run_gtsam(work, problem.keys.poses)
+    problem, scales, pose, covariance = run_gtsam(work, sum(len(one.nodes) for one in timelines))
     return track_from_solution(problem, pose, covariance + scales.pose_covariance, scales)
+
+
+def lowest_optimum(
+    timelines: Sequence[Timeline],
+    node_tethers: Sequence[NodeTether],
+    starts: Sequence[StartPose],
+    sigma_length_scale: float,
+    headings_rad: Sequence[float | None] = (),
+) -> Solution:
+    """Find the optimum from each of the starting points, and return the one of the lowest cost.
+
+    Each has a graph of its own: the prior of an unknown start heading lies about the initial one, so that it prefers
+    none of them.
+    """
+    found = []
+    for initial in starting_points(timelines, node_tethers, starts, sigma_length_scale, headings_rad):
+        problem = SmoothingProblem(timelines, node_tethers, starts, initial)
+        found.append(Solution(problem, *solve(problem, initial, sigma_length_scale)))
+    return found[0] if len(found) == 1 else min(found, key=lambda one: one.cost(sigma_length_scale))
 
 
 def solve(

@@ -1,8 +1,8 @@
 """Outliers among the fixes of a section: the probability of each, from its prediction by all the others.
 
 The independent error of a fix is a mixture: as stated, or larger by one of `_OUTLIER_SIGMAS`. The mixture of a fix is
-weighed by its leave-one-out residual, and its error then counts with the variance that the data ask for beyond the
-prior, until nothing changes: expectation propagation with inflated covariances.
+weighed by its leave-one-out residual, and its error then counts with the variance with which the fix moves the track
+as far as the mixture does, until nothing changes: expectation propagation with inflated covariances.
 """
 
 from dataclasses import dataclass
@@ -116,9 +116,30 @@ def outliers(fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> tuple[Ar
     logarithm = np.log(prior) - 0.5 * squared - 0.5 * np.log(np.linalg.det(spread))
     posterior = np.exp(logarithm - logarithm.max(axis=1, keepdims=True))
     posterior /= posterior.sum(axis=1, keepdims=True)
-    at_most = np.square(left_out_m).sum(axis=1)
-    more_m2 = np.maximum(posterior - prior, 0.0)[:, 1:].sum(axis=1) * at_most
-    return 1.0 - posterior[:, 0], more_m2
+    wrong = np.maximum(posterior - prior, 0.0)[:, 1:].sum(axis=1)
+    return 1.0 - posterior[:, 0], _variance_of_same_pull(wrong, fixes, left_out_m, left_out_m2)
+
+
+def _variance_of_same_pull(wrong: Array, fixes: FixTable, left_out_m: Array, left_out_m2: Array) -> Array:
+    """Return the variance (n,) that an error has more for its fix to move the prediction as far as both cases do.
+
+    A fix that is as stated moves the prediction by the gain P / (P + R), and one that is wrong, with an error as
+    large as the residual r, by P / (P + R + r²). The mean of the posterior moves by the mean of the gains, by their
+    probabilities. The mean of the variances would move it by less: it would nearly ignore a fix that is far off but
+    probably right.
+
+    Parameters
+    ----------
+    wrong
+        (n,) probability of each fix to be wrong.
+    fixes, left_out_m, left_out_m2
+        As for `outliers`.
+    """
+    apart_m2 = np.square(left_out_m).sum(axis=1)
+    stated_m2, predicted_m2 = (0.5 * np.trace(one, axis1=1, axis2=2) for one in (fixes.white_m2, left_out_m2))
+    right = (1.0 - wrong) / (predicted_m2 + stated_m2)
+    other = wrong / (predicted_m2 + stated_m2 + apart_m2)
+    return np.asarray(other * apart_m2 / (right + other))
 
 
 def outlier_cost(outlier: Array, prior: Array) -> Array:
