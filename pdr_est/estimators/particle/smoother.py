@@ -69,9 +69,9 @@ def estimate(
     filtered = filter_by_particles(walk, plans)
     if plans is None:
         return _tracks(walk, [_drawn_paths(walk, filtered, parameters.paths)], None)
-    if filtered.places:
-        filtered = _best_of_several(walk, plans, filtered)
     unrelated = probability_unrelated(filtered, walk)
+    if filtered.places and unrelated > 0.5:
+        filtered, unrelated = _best_of_several(walk, plans, filtered, unrelated)
     findings = (unrelated_finding(floors, unrelated),) if unrelated > _TOLD else ()
     begun = filtered.blocks[0].plan
     if unrelated <= 0.5 and filtered.places and begun is not None:
@@ -81,19 +81,23 @@ def estimate(
     return replace(track, findings=(*track.findings, *findings))
 
 
-def _best_of_several(walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk) -> ParticleWalk:
-    """Filter a walk that may begin anywhere once more with other random numbers where its plan does not seem to fit.
+def _best_of_several(
+    walk: WalkInput, plans: PlansInTime, filtered: ParticleWalk, unrelated: float
+) -> tuple[ParticleWalk, float]:
+    """Filter a walk that may begin anywhere again, with other random numbers, because its plan does not seem to fit.
 
     Particles of a whole floor may lose the true place by chance, and then nothing fits. The filter with the most
-    evidence for the plan is taken.
+    evidence for the plan is taken, with the probability that the plan is unrelated.
     """
     for number in range(1, _MOST_FILTERS):
-        if probability_unrelated(filtered, walk) <= 0.5:
-            break
         other = replace(walk.parameters, seed=walk.parameters.seed + number)
         again = filter_by_particles(replace(walk, parameters=other), plans)
-        filtered = min((filtered, again), key=lambda one: probability_unrelated(one, walk))
-    return filtered
+        probability = probability_unrelated(again, walk)
+        if probability < unrelated:
+            filtered, unrelated = again, probability
+        if unrelated <= 0.5:
+            break
+    return filtered, unrelated
 
 
 def probability_unrelated(filtered: ParticleWalk, walk: WalkInput) -> float:
@@ -108,7 +112,7 @@ def probability_unrelated(filtered: ParticleWalk, walk: WalkInput) -> float:
         return prior
     own = filtered.evidence
     log_odds = float(np.log((1.0 - prior) / prior)) + own.log_ways + own.walls
-    if log_odds < _SURE:  # else measurements hardly change it
+    if log_odds < _SURE:  # else the filter without a plan is left out, for its time
         least = walk.parameters.least_particles
         free = filter_by_particles(replace(walk, parameters=replace(walk.parameters, most_particles=least)), None)
         log_odds += own.log_measurements - free.evidence.log_measurements

@@ -31,6 +31,7 @@ _RESAMPLED = 0.5  # share of effective particles below which they are resampled
 _STARVED = 0.1  # share of effective particles below which a measurement is taken in several parts
 _MOST_PARTS = 100  # of a measurement
 _TRUST_ANYWHERE = 0.5  # power of the evidence of a way for places: errors of a plan are common to several steps; ours
+_STRAYS_TO_A_WALL = 2.0  # stray lengths to a wall of an unrelated plan at least: ways beside the plan cost more; ours
 _SIGMA_ENTERING_M = 0.2  # of the place of a late device against that of another: the pace within a step is not known
 
 
@@ -104,7 +105,7 @@ class WalkFilter:
         place_m += shift_m
         self.cloud = self.cloud.with_state(state)
         self._weigh_by_plan(log, _TRUST_ANYWHERE if self._anywhere else 1.0)
-        free_m = max(self.plan.free_path_m, 2.0 * self.plan.stray_length_m)
+        free_m = max(self.plan.free_path_m, _STRAYS_TO_A_WALL * self.plan.stray_length_m)
         self.evidence.walls += node.length_m / free_m / self.cloud.devices
 
     def begin(self, device: int) -> None:
