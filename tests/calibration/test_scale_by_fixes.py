@@ -111,7 +111,8 @@ def test_fixes_that_disagree_teach_nothing(simulated) -> None:
     told = observe_any_fixes(walks, Config(), elsewhere, "walk")
     assert isinstance(told, NotLearnt)
     assert told.doubtful
-    assert "disagree with its steps or with each other (position fixes" in told.reason
+    assert "its fixes disagree with its steps or with each other (" in told.reason
+    assert "position fixes" in told.reason
     with pytest.raises(RecordingError, match=r"walk: its fixes disagree with .*: correct the fixes"):
         observe_fixes(walks, Config(), elsewhere, "walk")
 

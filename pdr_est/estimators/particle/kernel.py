@@ -67,8 +67,10 @@ def _moved(before: Array, rng: np.random.Generator) -> Array:
     apart = before - centre
     variance, axes = np.linalg.eigh(apart @ apart.T / before.shape[1])
     root = axes * np.sqrt(np.maximum(variance, 0.0))
-    one_mode = all(apart[row].std() < _OPEN_RAD for row in range(HEADING, len(apart), LOG_SCALE + 1))
-    kept = np.sqrt(1.0 - _KERNEL**2) if one_mode else 1.0
+    kept = np.full((len(apart), 1), np.sqrt(1.0 - _KERNEL**2))
+    if any(apart[row].std() >= _OPEN_RAD for row in range(HEADING, len(apart), LOG_SCALE + 1)):
+        kept[:] = 1.0  # poses on a ring about the start have no mean to be drawn to
+        kept[LOG_SCALE :: LOG_SCALE + 1] = np.sqrt(1.0 - _KERNEL**2)
     return np.asarray(centre + kept * apart + _KERNEL * (root @ rng.standard_normal(before.shape)))
 
 

@@ -11,6 +11,7 @@ from pdr_est.estimators.particle.cloud import DEVICE_ROWS, EAST, HEADING, NORTH,
 from pdr_est.estimators.particle.params import ParticleParams
 from pdr_est.frames import Array
 
+_MOST_BINS = 2.0**40  # on each side of 0: far beyond what anybody walks, and an integer
 _BIN_M, _BIN_RAD = 1.0, 0.35  # of the histogram: half the width of a corridor, and a quarter of a right angle
 _ERROR = 0.1  # bound of the Kullback-Leibler distance to the histogram of the posterior
 _FINER = 4  # times as many particles for the probabilities of places; ours, see `wanted_number`
@@ -29,7 +30,8 @@ def wanted_number(cloud: Cloud, weights: Array, parameters: ParticleParams, anyw
     cells = np.zeros(int(probable.sum()), dtype=np.int64)
     for device in range(cloud.devices):
         for row, size in ((EAST, _BIN_M), (NORTH, _BIN_M), (HEADING, _BIN_RAD)):
-            bins = np.floor(cloud.state[DEVICE_ROWS * device + row, probable] / size).astype(np.int64)
+            place = np.floor(cloud.state[DEVICE_ROWS * device + row, probable] / size)
+            bins = np.clip(place, -_MOST_BINS, _MOST_BINS).astype(np.int64)
             cells = cells * 2053 + (bins - bins.min())
     wanted = kld_number(len(np.unique(cells)))
     if anywhere:
