@@ -21,7 +21,15 @@ ORDER: list[set[str]] = [
     {"parts"},
     {"types"},
     # The five wings, which never see each other. Inside a wing the same rule holds.
-    {"io.text", "clock_sync", "front_end.signal", "estimators.common", "estimators.spec", "simulate"},
+    {
+        "io.text",
+        "clock_sync",
+        "front_end.signal",
+        "estimators.blas_threads",
+        "estimators.common",
+        "estimators.spec",
+        "simulate",
+    },
     {"estimators.reckoned_poses"},
     {
         "io.conversion",

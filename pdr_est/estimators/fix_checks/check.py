@@ -8,11 +8,10 @@ length scale. The fixes, and what else is given, are then changed as the best ex
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
+from pdr_est.estimators.blas_threads import one_blas_thread
 from pdr_est.estimators.common.length_scale_check import UNUSUAL_SIGMAS
 from pdr_est.estimators.common.measurement_checks import GivenFixes, given_at, is_repeated, with_given
 from pdr_est.estimators.fix_checks.adjusted_fixes import SectionResult, adjusted, adjusted_steps, weigh_all
@@ -87,7 +86,7 @@ def check_fixes(devices: Sequence[DeviceMeasurements], start: StartPose, sigma_l
     main = max(devices, key=lambda one: len(steps_of[one.device]))
     if not steps_of[main.device]:
         return unchanged
-    with _blas_of_one_thread().limit(limits=1, user_api="blas"):
+    with one_blas_thread():
         path = DeadReckonedPath(main.start_s, steps_of[main.device])
         fixes, findings = _without_repeats(given, path)
         heading = None if start.heading_rad is None else (start.heading_rad, max(start.sigma_heading_rad, 1e-3))
@@ -189,9 +188,3 @@ def _changed_device(
 
 def _steps(one: DeviceMeasurements) -> list[StepOdometry]:
     return [m for m in one.measurements if isinstance(m, StepOdometry) and m.device == one.device]
-
-
-@cache
-def _blas_of_one_thread() -> ThreadpoolController:
-    """Return the controller of the numerical libraries: for matrices of this size threads only cost time."""
-    return ThreadpoolController()

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pdr_est.estimators.blas_threads import one_blas_thread
 from pdr_est.estimators.common.tethers import node_tethers_between
 from pdr_est.estimators.common.timeline import Timeline
 from pdr_est.estimators.particle.backward import DrawnPaths, simulate_backward
@@ -65,10 +66,15 @@ def estimate(
         tuple(timelines), tuple(node_tethers_between(timelines, tethers)), start, sigma_length_scale, parameters
     )
     on_plan = search_settings(parameters) if begins_anywhere(timelines, start) else parameters
-    plans = PlansInTime.of(floors, on_plan, window_of(walk))
+    with one_blas_thread():
+        return _smoothed(walk, PlansInTime.of(floors, on_plan, window_of(walk)), floors)
+
+
+def _smoothed(walk: WalkInput, plans: PlansInTime | None, floors: Sequence[PresentFloor]) -> Track:
+    """Filter and smooth a walk, on its plans as far as they have to do with it."""
     filtered = filter_by_particles(walk, plans)
     if plans is None:
-        return _tracks(walk, [_drawn_paths(walk, filtered, parameters.paths)], None)
+        return _tracks(walk, [_drawn_paths(walk, filtered, walk.parameters.paths)], None)
     unrelated = probability_unrelated(filtered, walk)
     if filtered.places and unrelated > 0.5:
         filtered, unrelated = _best_of_several(walk, plans, filtered, unrelated)
