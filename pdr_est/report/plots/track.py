@@ -82,9 +82,7 @@ def plot_track(
         for one in tracks
     ]
     window = _window(tracks, shown, fixes, truth_m)
-    figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
-    axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
-    _set_window(axes, window)
+    figure, axes = new_map(window)
     if plan is not None:
         draw_floor_plan(axes, plan)
     alone = len(tracks) == 1
@@ -146,23 +144,38 @@ def _window(
         wide_low = np.minimum(wide_low, centre_m - reach)
         wide_high = np.maximum(wide_high, centre_m + reach)
     low, high = np.maximum(wide_low, low - room), np.minimum(wide_high, high + room)
-    middle = (low + high) / 2.0
-    span = np.maximum((high - low) * 1.08, SMALLEST_SPAN_M)
+    return fitted_window((low + high) / 2.0, np.maximum((high - low) * 1.08, SMALLEST_SPAN_M), 0.8)
+
+
+def fitted_window(middle_m: Array, span_m: Array, tallest: float) -> MapWindow:
+    """Fit a window as wide as the page around a part of the map.
+
+    Parameters
+    ----------
+    middle_m, span_m
+        (2,) middle and size of the part, east and north, m.
+    tallest
+        Largest height over the width.
+    """
     width_in = svg.WIDTH_IN - svg.LEFT_IN - svg.RIGHT_IN
-    height_in = width_in * float(np.clip(span[1] / span[0], 0.3, 0.8))
-    metres_per_inch = max(span[0] / width_in, span[1] / height_in)
+    height_in = width_in * float(np.clip(span_m[1] / span_m[0], 0.3, tallest))
+    metres_per_inch = max(span_m[0] / width_in, span_m[1] / height_in)
     half = 0.5 * metres_per_inch * np.array([width_in, height_in])
-    (west, south), (east, north) = middle - half, middle + half
+    (west, south), (east, north) = middle_m - half, middle_m + half
     return MapWindow(float(west), float(east), float(south), float(north), height_in)
 
 
-def _set_window(axes: Axes, window: MapWindow) -> None:
+def new_map(window: MapWindow) -> tuple[Figure, Axes]:
+    """Make a figure with equal axes that show a window."""
+    figure = svg.new_figure(BOTTOM_IN + window.height_in + TOP_IN)
+    axes = svg.add_axes(figure, BOTTOM_IN, window.height_in)
     axes.set_xlim(window.west, window.east)
     axes.set_ylim(window.south, window.north)
     axes.set_aspect("equal")
     step = svg.nice_step(window.width, 9)
     axes.xaxis.set_major_locator(MultipleLocator(step))
     axes.yaxis.set_major_locator(MultipleLocator(step))
+    return figure, axes
 
 
 def _ellipse(axes: Axes, centre: Array, covariance: Array, colour: str) -> None:
