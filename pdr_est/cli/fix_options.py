@@ -14,6 +14,7 @@ from pdr_est.frames import GeoOrigin
 from pdr_est.io.floor_plans.building import read_building_plan
 from pdr_est.io.side_tables.position_fixes import read_position_fixes, recorded_fixes, waypoint_fixes
 from pdr_est.io.writers.checksums import file_digests
+from pdr_est.pipeline.present_floors import without_air_pressure
 from pdr_est.pipeline.warnings import notes_of_plan
 from pdr_est.types.floor_plan import BuildingPlan, FloorPlan
 from pdr_est.types.measurements import PositionFix
@@ -116,8 +117,7 @@ def tell_notes_of_plan(plan: FloorPlan | BuildingPlan | None, devices: Sequence[
     """Warn of what was assumed to read a plan, and of plans of several floors for devices without air pressure."""
     words = [] if plan is None else notes_of_plan(plan)
     if isinstance(plan, BuildingPlan) and devices and all(device.pressure is None for device in devices):
-        floor = "" if plan.start_plan is None else f" {plan.start_plan.floor}"
-        words.append(f"no air pressure was recorded, so that the whole walk counts as one on floor{floor}")
+        words.append(without_air_pressure(plan))
     for one in words:
         click.echo(f"warning: {one}", err=True)
 

@@ -137,9 +137,7 @@ def plans_of_walk(plan: FloorPlan | BuildingPlan | None, walks: Sequence[DeviceW
     building, notes = _with_start(plan, profile)
     sequence = FloorSequence(building)
     if profile is None:
-        floor = building.start_plan.floor if building.start_plan is not None else ""
-        words = "no air pressure was recorded, so that the whole walk counts as one on floor"
-        return PlansOfWalk((sequence.first,), (*notes, f"{words} {floor}"))
+        return PlansOfWalk((sequence.first,), (*notes, without_air_pressure(building)))
     found = [sequence.first]
     for second in _seconds(profile):
         found += sequence.add(second)
@@ -150,6 +148,12 @@ def plans_of_walk(plan: FloorPlan | BuildingPlan | None, walks: Sequence[DeviceW
         words = ", ".join(map(str, missing))
         notes = (*notes, f"no plan of floor {words}, where the walker was: the track is free there")
     return PlansOfWalk(tuple(found), notes)
+
+
+def without_air_pressure(building: BuildingPlan) -> str:
+    """Say what follows for a walk in a building if no air pressure was recorded."""
+    floor = "" if building.start_plan is None else f" {building.start_plan.floor}"
+    return f"no air pressure was recorded, so that the whole walk counts as one on floor{floor}"
 
 
 def _with_start(plan: BuildingPlan, profile: HeightProfile | None) -> tuple[BuildingPlan, tuple[str, ...]]:
